@@ -1,0 +1,1 @@
+"""House rules as programs: what `make check` runs beside the linters."""

@@ -1,0 +1,26 @@
+"""Stiffness of elastic robot joints, estimated while they move, from the sensors they have.
+
+>>> import rotatum as rt
+>>> rt.device_names()[0]
+'cjt-orange-80-6000'
+"""
+
+import lazy_loader as _lazy
+
+__version__ = "0.1.0"
+
+__getattr__, __dir__, __all__ = _lazy.attach(
+    __name__,
+    submodules={"datasets", "testing"},
+    submod_attrs={
+        "errors": ["RotatumError"],
+        "estimators": ["Estimator"],
+        "evaluation": ["Estimate", "JointEstimate", "estimate"],
+        "export": ["export_c"],
+        "logs": ["Log", "LogReader", "open_log", "read_log", "write_table"],
+        "models": ["Device", "Joint", "device_names", "load_device"],
+        "report": ["plot", "write_report"],
+        "runtime": ["Bank", "Stage"],
+        "simulation": ["Sensors", "demo_log", "simulate_series"],
+    },
+)

@@ -1,0 +1,107 @@
+"""`rotatum estimate`: the stiffness of every joint over a log."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rotatum.cli.failures import DONE, NO_ANSWER, say
+
+__all__ = ["estimate"]
+
+
+def estimate(
+    log: Annotated[
+        Path, typer.Argument(help="CSV, NPZ, MAT, HDF5 or Parquet.", show_default=False)
+    ],
+    device: Annotated[
+        str,
+        typer.Option("--device", "-d", help="Device file (TOML), or a name of `rotatum devices`."),
+    ],
+    method: Annotated[
+        str | None, typer.Option(help="weak or residual; else the device file's, else weak.")
+    ] = None,
+    side: Annotated[str | None, typer.Option(help="Side of the torque balance: motor.")] = None,
+    torque: Annotated[
+        str | None, typer.Option(help="estimated (from the motor) or sensor.")
+    ] = None,
+    cutoff: Annotated[float | None, typer.Option(help="Bandwidth of the rows, rad/s.")] = None,
+    fit: Annotated[
+        str | None,
+        typer.Option(
+            help="Quantities fitted beside the stiffness, with commas: inertia, damping, coulomb, "
+            "skew, transmission_damping, offset; or none."
+        ),
+    ] = None,
+    forgetting: Annotated[
+        float | None, typer.Option(help="Weight of a row relative to the next one, 0.9 to 1.")
+    ] = None,
+    solver: Annotated[str | None, typer.Option(help="ud or covariance.")] = None,
+    joint: Annotated[
+        list[str] | None,
+        typer.Option(help="Only this joint; give it again for more.", metavar="NAME"),
+    ] = None,
+    start: Annotated[
+        float | None,
+        typer.Option("--from", help="Score samples from this time on, s; else once converged."),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Every sample's result: .csv, .npz or .parquet."),
+    ] = None,
+    report: Annotated[
+        Path | None, typer.Option(help="One HTML page with every plot and setting.")
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
+) -> int:
+    """Estimate the stiffness of every joint over a log.
+
+    Prints stiffness, interval and verdict per joint, and why. Exit code 0: a joint is informative;
+    1: none is (everything is printed all the same); 2: bad input.
+    """
+    from rotatum.cli.places import check_places
+    from rotatum.cli.printing import print_json, stdout
+    from rotatum.cli.progress import progress
+
+    check_places((output, report), inputs=(log, Path(device)))
+
+    import rotatum
+
+    robot = rotatum.load_device(device)
+    with progress("estimating") as shown:
+        found = rotatum.estimate(
+            rotatum.open_log(log, robot),
+            robot,
+            method=method,
+            side=side,
+            torque=torque,
+            cutoff=cutoff,
+            fit=_names(fit),
+            forgetting=forgetting,
+            solver=solver,
+            joints=joint or None,
+            start=start,
+            output=output,
+            progress=shown,
+        )
+    for warning in found.warnings:
+        say(f"warning: {warning}")
+    if json:
+        print_json(found.to_json())
+    else:
+        from rotatum.cli.tables import print_estimate
+
+        print_estimate(stdout(), found)
+    if report is not None:
+        rotatum.write_report(found, report)
+    return DONE if found.informative else NO_ANSWER
+
+
+def _names(text: str | None) -> tuple[str, ...] | None:
+    """Split a list with commas; "none" is the empty one."""
+    if text is None:
+        return None
+    names = tuple(name.strip() for name in text.split(",") if name.strip())
+    return () if names == ("none",) else names

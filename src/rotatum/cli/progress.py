@@ -1,0 +1,74 @@
+"""Progress on standard error: a bar on a terminal, a line where there is none."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from rotatum.cli.failures import say
+
+__all__ = ["progress"]
+
+_COMPILING = "compiling kernels (once per machine and method)"
+_PATIENCE = 2.0  # seconds without a sample after which kernels are being compiled: loading is quicker
+
+
+@contextmanager
+def progress(what: str) -> Iterator[Callable[[int, int | None], None]]:
+    """Show progress while the block runs; give what to call with samples done and expected.
+
+    Parameters
+    ----------
+    what : the work, such as "estimating".
+    """
+    from rich.console import Console
+
+    console = Console(stderr=True, markup=False)
+    with _bar(console, what) if console.is_terminal else _line() as report:
+        yield report
+
+
+@contextmanager
+def _bar(console: object, what: str) -> Iterator[Callable[[int, int | None], None]]:
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TaskProgressColumn, TextColumn
+    from rich.progress import TimeRemainingColumn
+
+    assert isinstance(console, Console)
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=console, transient=True) as shown:
+        task = shown.add_task(what, total=None)
+        with _while_compiling(lambda: shown.update(task, description=_COMPILING)) as started:
+
+            def report(done: int, expected: int | None) -> None:
+                started()
+                shown.update(task, description=what, completed=done, total=expected)
+
+            yield report
+
+
+@contextmanager
+def _line() -> Iterator[Callable[[int, int | None], None]]:
+    with _while_compiling(lambda: say(f"{_COMPILING} ...")) as started:
+        yield lambda done, expected: started()
+
+
+@contextmanager
+def _while_compiling(tell: Callable[[], None]) -> Iterator[Callable[[], None]]:
+    """Call `tell` once if the given function is not called for a while."""
+    timer = threading.Timer(_PATIENCE, tell)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield timer.cancel
+    finally:
+        timer.cancel()
+        sys.stderr.flush()

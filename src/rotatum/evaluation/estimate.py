@@ -1,0 +1,178 @@
+"""What an estimation run gives back: per joint the samples, the summary, the verdict and why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotatum.evaluation.table import reading_columns
+from rotatum.models import Device
+from rotatum.record import Records
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure
+
+
+@dataclass(frozen=True)
+class JointEstimate:
+    """One joint's result.
+
+    Args:
+        name: of the joint.
+        records: ``(N,)`` records of ``Reading`` (time s, stiffness N m/rad, ...), every
+            ``every``-th sample.
+        every: 1 unless the log was too long to keep every sample.
+        columns: names of the regressors, basis terms first.
+        coefficients, coefficients_std: (p,) final values in SI at the joint.
+        fitted: quantity to (value, standard deviation), in the device file's side and units.
+        stiffness: ``final``, ``mean``, ``min``, ``max``, N m/rad; the last three over the scored
+            samples, which are those from ``score_from`` on.
+        stiffness_std: at the last sample, N m/rad.
+        torque_rms: of the fitted elastic torque, N m.
+        verdict: at the last sample.
+        reason: a sentence saying why.
+        converged_at: seconds after the log's first sample since when the verdict was first
+            informative for 1 s, or None.
+        truth: ``mse``, ``msrep_percent``, ``coverage_percent`` where the log knows it, or None.
+        score_from: seconds after the first sample from which samples were scored, or None.
+        samples: per status bit name, how many samples had it.
+        ns_per_sample: time of the kernels, ns.
+        settings: setting to its value and why.
+        truth_records: ``stiffness`` and ``torque`` truth at the kept samples, empty if not known.
+        measured_torque: measured elastic torque at the kept samples, empty if not measured.
+    """
+
+    name: str
+    records: Records
+    every: int
+    columns: tuple[str, ...]
+    coefficients: NDArray[np.float64]
+    coefficients_std: NDArray[np.float64]
+    fitted: Mapping[str, tuple[float, float]]
+    stiffness: Mapping[str, float]
+    stiffness_std: float
+    torque_rms: float
+    verdict: str
+    reason: str
+    converged_at: float | None
+    truth: Mapping[str, float] | None
+    score_from: float | None
+    samples: Mapping[str, int]
+    ns_per_sample: float
+    settings: Mapping[str, str]
+    truth_records: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    measured_torque: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
+
+    def to_json(self) -> dict[str, Any]:
+        """The joint's entry in ``--json``."""
+        return {
+            "stiffness": dict(self.stiffness),
+            "stiffness_std": self.stiffness_std,
+            "torque_rms": self.torque_rms,
+            "coefficients": [float(c) for c in self.coefficients],
+            "verdict": self.verdict,
+            "reason": self.reason,
+            "converged_at": self.converged_at,
+            "fitted": {k: list(v) for k, v in self.fitted.items()},
+            "truth": None if self.truth is None else dict(self.truth),
+            "ns_per_sample": self.ns_per_sample,
+        }
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Result of ``rotatum.estimate``: every joint of a device over one log.
+
+    Args:
+        source: the log.
+        device: what was estimated.
+        method, side, torque: of the first joint (all joints share them unless the device file
+            says otherwise per joint; see ``joints[...].settings``).
+        period: s.
+        samples: in the log.
+        seconds: of the log, first to last sample.
+        joints: name to result.
+        warnings: sentences about the log and the run.
+        cites: keys of the papers behind the methods used.
+    """
+
+    source: str
+    device: Device
+    method: str
+    side: str
+    torque: str
+    period: float
+    samples: int
+    seconds: float
+    joints: Mapping[str, JointEstimate]
+    warnings: tuple[str, ...]
+    cites: tuple[str, ...]
+
+    @property
+    def informative(self) -> bool:
+        """Whether the last verdict of any joint is ``informative``."""
+        return any(j.verdict == "informative" for j in self.joints.values())
+
+    def to_json(self) -> dict[str, Any]:
+        """The object ``--json`` prints: finite numbers, strings and null only."""
+        found = {
+            "log": self.source,
+            "device": self.device.name,
+            "method": self.method,
+            "side": self.side,
+            "torque": self.torque,
+            "period": self.period,
+            "samples": self.samples,
+            "seconds": self.seconds,
+            "joints": {name: joint.to_json() for name, joint in self.joints.items()},
+            "warnings": list(self.warnings),
+        }
+        cleaned: dict[str, Any] = _finite(found)
+        return cleaned
+
+    def write(self, path: str | Path) -> None:
+        """Write the kept samples as a table (CSV, NPZ or Parquet by the ending).
+
+        Canonical columns: ``time``, ``<joint>.stiffness``, ``.stiffness_std``, ``.torque``,
+        ``.torque_std``, ``.dstiffness``, ``.deflection``, ``.verdict``, ``.status``.
+
+        Raises:
+            OutputError: it cannot be written; no partial file is left.
+        """
+        from rotatum.logs import write_table
+
+        names = list(self.joints)
+        first = self.joints[names[0]]
+        columns: dict[str, NDArray[Any]] = {"time": first.records["time"]}
+        for name in names:
+            columns |= reading_columns(name, self.joints[name].records)
+        write_table(path, columns)
+
+    def plot(self) -> Figure:
+        """An interactive figure: stiffness with its band, torque, characteristic, verdict."""
+        from rotatum.report import plot
+
+        return plot(self)
+
+    def __repr__(self) -> str:
+        told = ", ".join(
+            f"{n}: {j.stiffness['final']:.4g} +- {1.96 * j.stiffness_std:.2g} N m/rad {j.verdict}"
+            for n, j in self.joints.items()
+        )
+        return f"Estimate({self.source}, {self.method}, {told})"
+
+
+def _finite(value: Any) -> Any:
+    """JSON has no NaN or infinity: they become null."""
+    if isinstance(value, dict):
+        return {k: _finite(v) for k, v in value.items()}
+    if isinstance(value, list):
+        return [_finite(v) for v in value]
+    if isinstance(value, float | np.floating):
+        return float(value) if np.isfinite(value) else None
+    return value

@@ -1,0 +1,278 @@
+"""The main job: a log and a device in, an ``Estimate`` out, piece by piece in constant memory."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotatum.errors import MethodError
+from rotatum.estimators.estimator import CHANNELS, Estimator, Group, batch_records
+from rotatum.evaluation.estimate import Estimate, JointEstimate
+from rotatum.evaluation.explain import reason, sample_warnings, skew_warning, zero_warning
+from rotatum.evaluation.fitted import fitted_quantities
+from rotatum.evaluation.summary import Summary
+from rotatum.evaluation.table import reading_columns
+from rotatum.kernels.status import VERDICTS
+from rotatum.logs import Log, LogReader, TableWriter
+from rotatum.models import Device
+
+BATCH = 65536  # samples handed to the kernels at once
+EXTRA = ("stiffness_true", "torque_true", "torque_measured")
+
+Progress = Callable[[int, int | None], None]
+"""Called with samples done and samples expected (None: not known)."""
+
+
+def estimate(
+    log: Log | LogReader,
+    device: Device,
+    *,
+    method: str | None = None,
+    side: str | None = None,
+    torque: str | None = None,
+    cutoff: float | None = None,
+    fit: Sequence[str] | None = None,
+    forgetting: float | None = None,
+    solver: str | None = None,
+    joints: Sequence[str] | None = None,
+    start: float | None = None,
+    output: str | Path | None = None,
+    progress: Progress | None = None,
+) -> Estimate:
+    """Estimate the stiffness of every joint of a device over a log.
+
+    Args:
+        log: from ``read_log`` or ``open_log`` (constant memory).
+        device: from ``load_device``.
+        method: ``"weak"`` or ``"residual"``; ``None``: the device file's, then ``"weak"``.
+        side: ``"motor"``.
+        torque: ``"estimated"`` from the motor, or the ``"sensor"``'s.
+        cutoff: rad/s.
+        fit: columns fitted beside the stiffness.
+        forgetting: weight of a row relative to the next one.
+        solver: ``"ud"`` or ``"covariance"``.
+        joints: names of the joints wanted; ``None``: all.
+        start: seconds after the log's first sample from which it is scored; ``None``: once
+            converged.
+        output: table to write every sample's result to, while it goes on.
+        progress: called as samples are done.
+
+    Raises:
+        MethodError: a setting, or a channel the method needs and the log lacks (all are named).
+        LogError: the log cannot be read to its end.
+        OutputError: ``output`` cannot be written; no partial file is left.
+    """
+    device = _chosen(device, joints)
+    names = _log_names(log, device)
+    zeros = _mean_zeros(log, device, names)
+    holds = {j.name: log.holds.get(names[j.name], {}) for j in device.joints}
+    loop = Estimator(
+        device,
+        period=log.period,
+        method=method,
+        side=side,
+        torque=torque,
+        cutoff=cutoff,
+        fit=fit,
+        forgetting=forgetting,
+        solver=solver,
+        holds=holds,
+        zeros=zeros,
+    )
+    _check_channels(log, loop, names)
+    expected = log.samples
+    summaries = {j.name: Summary(start, expected) for j in device.joints}
+    seconds = _run(log, loop, names, summaries, output, progress, expected)
+    return _collect(log, loop, summaries, seconds)
+
+
+def _run(
+    log: Log | LogReader,
+    loop: Estimator,
+    names: Mapping[str, str],
+    summaries: Mapping[str, Summary],
+    output: str | Path | None,
+    progress: Progress | None,
+    expected: int | None,
+) -> float:
+    spent, done = 0.0, 0
+    with ExitStack() as stack:
+        table = stack.enter_context(TableWriter(output)) if output is not None else None
+        for piece in _pieces(log):
+            for first in range(0, piece.samples, BATCH):
+                part = slice(first, min(first + BATCH, piece.samples))
+                columns: dict[str, NDArray[Any]] = {"time": piece.time[part]}
+                for group in loop.groups:
+                    u = _fill(group, piece, names, part)
+                    begin = clock.perf_counter()
+                    out = group.bank.run(u)
+                    spent += clock.perf_counter() - begin
+                    for i, prepared in enumerate(group.prepared):
+                        name = prepared.joint.name
+                        roles = piece.joints[names[name]]
+                        extra = {r: roles[r][part] for r in EXTRA if r in roles}
+                        summaries[name].add(out[:, i], extra)
+                        if table is not None:
+                            columns |= reading_columns(name, out[:, i])
+                if table is not None:
+                    table.write(columns)
+                done += part.stop - part.start
+                if progress is not None:
+                    progress(done, expected)
+    return spent
+
+
+def _fill(group: Group, piece: Log, names: Mapping[str, str], part: slice) -> Any:
+    u = batch_records(group, part.stop - part.start)
+    u["time"] = piece.time[part, None]
+    for i, prepared in enumerate(group.prepared):
+        roles = piece.joints[names[prepared.joint.name]]
+        u["q"][:, i] = roles["q"][part]
+        u["theta"][:, i] = roles["theta"][part]
+        u[group.torque_field][:, i] = roles[CHANNELS[prepared.settings.torque]][part]
+    return u
+
+
+def _pieces(log: Log | LogReader) -> Iterable[Log]:
+    return (log,) if isinstance(log, Log) else log
+
+
+def _chosen(device: Device, joints: Sequence[str] | None) -> Device:
+    if joints is None:
+        return device
+    known = {j.name: j for j in device.joints}
+    for name in joints:
+        if name not in known:
+            raise MethodError(
+                "no such joint in the device", where=device.source, value=name, allowed=tuple(known)
+            )
+    chosen = tuple(known[name] for name in joints)
+    return Device(name=device.name, joints=chosen, source=device.source, time=device.time)
+
+
+def _log_roles(log: Log | LogReader) -> dict[str, tuple[str, ...]]:
+    if isinstance(log, Log):
+        return {joint: tuple(roles) for joint, roles in log.joints.items()}
+    return dict(log.roles)
+
+
+def _log_names(log: Log | LogReader, device: Device) -> dict[str, str]:
+    """Device joint to log joint: by name, or the only one of each."""
+    found = _log_roles(log)
+    if len(device.joints) == 1 and len(found) == 1:
+        return {device.joints[0].name: next(iter(found))}
+    for joint in device.joints:
+        if joint.name not in found:
+            raise MethodError(
+                "the log has no such joint",
+                where=log.source,
+                value=joint.name,
+                allowed=tuple(found),
+            )
+    return {j.name: j.name for j in device.joints}
+
+
+def _mean_zeros(log: Log | LogReader, device: Device, names: Mapping[str, str]) -> dict[str, float]:
+    zeros = {}
+    for joint in device.joints:
+        if joint.transmission.zero != "mean":
+            continue
+        total, count = 0.0, 0
+        for piece in _pieces(log):
+            roles = piece.joints[names[joint.name]]
+            if "q" in roles and "theta" in roles:
+                deflection = roles["q"] - roles["theta"]
+                good = np.isfinite(deflection)
+                total += float(deflection[good].sum())
+                count += int(good.sum())
+        if count:
+            zeros[joint.name] = total / count
+    return zeros
+
+
+def _check_channels(log: Log | LogReader, loop: Estimator, names: Mapping[str, str]) -> None:
+    roles = _log_roles(log)
+    for prepared in loop.prepared:
+        needed = ("q", "theta", CHANNELS[prepared.settings.torque])
+        has = roles[names[prepared.joint.name]]
+        missing = [role for role in needed if role not in has]
+        if missing:
+            raise MethodError(
+                f"method {prepared.settings.method} with {prepared.settings.torque} torque lacks "
+                f"the channel {', '.join(missing)} of joint {prepared.joint.name}",
+                where=log.source,
+                allowed=f"needs {', '.join(needed)}; the log has {', '.join(has)}",
+            )
+
+
+def _collect(
+    log: Log | LogReader, loop: Estimator, summaries: Mapping[str, Summary], seconds: float
+) -> Estimate:
+    joints: dict[str, JointEstimate] = {}
+    warnings = list(log.warnings)
+    samples = next(iter(summaries.values())).seen
+    nanoseconds = 1e9 * seconds / max(1, samples * len(summaries))
+    for prepared in loop.prepared:
+        name = prepared.joint.name
+        summary = summaries[name]
+        joint = _joint(summary, loop, name, nanoseconds)
+        joints[name] = joint
+        warnings += sample_warnings(name, joint.samples, samples)
+        gear = prepared.joint.motors[0].gear_ratio if prepared.joint.motors else 1.0
+        warnings += zero_warning(name, prepared, joint.fitted, joint.stiffness["final"])
+        warnings += skew_warning(name, joint.fitted, joint.stiffness["final"], gear)
+    first = loop.prepared[0].settings
+    times = next(j.records["time"] for j in joints.values())
+    good = times[np.isfinite(times)]
+    cites = tuple(dict.fromkeys(c for p in loop.prepared for c in p.stage.cites))
+    return Estimate(
+        source=log.source,
+        device=loop.device,
+        method=first.method,
+        side="motor",
+        torque=first.torque,
+        period=log.period,
+        samples=samples,
+        seconds=float(good[-1] - good[0]) if len(good) else 0.0,
+        joints=joints,
+        warnings=tuple(warnings),
+        cites=cites,
+    )
+
+
+def _joint(summary: Summary, loop: Estimator, name: str, nanoseconds: float) -> JointEstimate:
+    prepared = next(p for p in loop.prepared if p.joint.name == name)
+    last = summary.last
+    assert last is not None  # a log has at least one piece of at least one sample
+    scales = np.array(prepared.scales)
+    kept = {k: np.concatenate(v) for k, v in summary.truth_kept.items()}
+    measured = kept.pop("torque_measured", np.empty(0))
+    converged = float(last["converged_at"]) - (summary.first_time or 0.0)
+    return JointEstimate(
+        name=name,
+        records=np.concatenate(summary.kept),
+        every=summary.every,
+        columns=prepared.columns,
+        coefficients=last["coefficients"] / scales,
+        coefficients_std=last["coefficients_std"] / scales,
+        fitted=fitted_quantities(prepared, last),
+        stiffness=summary.stiffness(),
+        stiffness_std=float(last["stiffness_std"]),
+        torque_rms=summary.torque_rms(),
+        verdict=VERDICTS[int(last["verdict"])],
+        reason=reason(last, prepared),
+        converged_at=converged if last["converged"] else None,
+        truth=summary.score.result() if summary.has_truth and summary.scored.count else None,
+        score_from=summary.score_from,
+        samples=summary.status,
+        ns_per_sample=nanoseconds,
+        settings=prepared.notes,
+        truth_records={k.removesuffix("_true"): v for k, v in kept.items()},
+        measured_torque=measured,
+    )

@@ -1,0 +1,106 @@
+"""What is kept of a run while it goes on: every k-th record, running sums, scores."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotatum.evaluation.metrics import TruthScore
+from rotatum.kernels.status import PRIOR, TABLE
+from rotatum.record import Records
+
+KEEP = 200_000  # samples kept per joint; a longer log keeps every k-th
+
+
+class Summary:
+    """One joint's running summary.
+
+    Args:
+        start: seconds after the first sample from which samples are scored; None: once converged.
+        expected: samples the log is expected to have, None if not known.
+    """
+
+    def __init__(self, start: float | None, expected: int | None) -> None:
+        self.start = start
+        self.every = max(1, -(-(expected or 0) // KEEP))
+        self.kept: list[Records] = []
+        self.truth_kept: dict[str, list[NDArray[np.float64]]] = {}
+        self.seen = 0
+        self.status = {bit.name: 0 for bit in TABLE}
+        self.scored = _Range()
+        self.learned = _Range()
+        self.score = TruthScore()
+        self.has_truth = False
+        self.score_from: float | None = None
+        self.last: Records | None = None
+        self.first_time: float | None = None
+
+    def add(self, out: Records, extra: dict[str, NDArray[np.float64]]) -> None:
+        """Take a batch: (N,) readings, and columns of the log worth keeping beside them.
+
+        Args:
+            out: readings; copied where kept.
+            extra: ``stiffness_true``, ``torque_true``, ``torque_measured`` where the log has them.
+        """
+        pick = slice((-self.seen) % self.every, None, self.every)
+        self.kept.append(out[pick].copy())
+        for name, values in extra.items():
+            self.truth_kept.setdefault(name, []).append(values[pick].copy())
+        self.seen += len(out)
+        if self.first_time is None:
+            finite = out["time"][np.isfinite(out["time"])]
+            self.first_time = float(finite[0]) if finite.size else None
+        origin = self.first_time or 0.0
+        for bit in TABLE:
+            self.status[bit.name] += int(np.count_nonzero(out["status"] & bit.bit))
+        if self.start is None:
+            scored = out["converged"] != 0
+        else:
+            scored = out["time"] >= origin + self.start
+        if self.score_from is None and scored.any():
+            self.score_from = float(out["time"][int(np.argmax(scored))]) - origin
+        self.scored.add(out, scored)
+        self.learned.add(out, (out["status"] & PRIOR) == 0)
+        if "stiffness_true" in extra:
+            self.has_truth = True
+            truth = extra["stiffness_true"][scored]
+            self.score.update(out["stiffness"][scored], out["stiffness_std"][scored], truth)
+        self.last = out[-1].copy()
+
+    def stiffness(self) -> dict[str, float]:
+        """final, mean, min, max; the last three over scored samples, else over all with data."""
+        chosen = self.scored if self.scored.count else self.learned
+        final = float("nan") if self.last is None else float(self.last["stiffness"])
+        return {"final": final, **chosen.stiffness()}
+
+    def torque_rms(self) -> float:
+        """Root mean square of the fitted elastic torque, N m."""
+        chosen = self.scored if self.scored.count else self.learned
+        return chosen.torque_rms()
+
+
+class _Range:
+    def __init__(self) -> None:
+        self.count = 0
+        self.total = 0.0
+        self.low = np.inf
+        self.high = -np.inf
+        self.torque2 = 0.0
+
+    def add(self, out: Records, mask: NDArray[np.bool_]) -> None:
+        if not mask.any():
+            return
+        values = out["stiffness"][mask]
+        self.count += values.size
+        self.total += float(values.sum())
+        self.low = min(self.low, float(values.min()))
+        self.high = max(self.high, float(values.max()))
+        self.torque2 += float(np.square(out["torque"][mask]).sum())
+
+    def stiffness(self) -> dict[str, float]:
+        if not self.count:
+            return {"mean": float("nan"), "min": float("nan"), "max": float("nan")}
+        return {"mean": self.total / self.count, "min": self.low, "max": self.high}
+
+    def torque_rms(self) -> float:
+        return float(np.sqrt(self.torque2 / self.count)) if self.count else float("nan")

@@ -1,0 +1,244 @@
+"""How far an estimate can be trusted: noise level, coloured residuals, tests of the model."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from rotatum.kernels import blocks
+from rotatum.kernels.status import CURVATURE, DRIFT, LAG, NEGATIVE, OFFSET
+from rotatum.record import Record, integer, number, vector
+
+RING = 64
+MEAN = 0
+SHIFT = 1
+BEND = 2
+SCALE = 3
+PROBES = 4
+DUE = 8  # blocks of level 0 between evaluations
+STREAK = 3  # evaluations in a row before a probe is believed
+CONFIDENT = 2.5  # of a self-normalised sum over >= 8 blocks: one in 700 by chance
+
+
+class EvidenceParams(Record):
+    """What the interval has to account for, and when a model is called wrong."""
+
+    forgetting = number("the solver's", symbol="lambda")
+    memory = number("weight of a term in the tests relative to the next, they look at recent data")
+    terms = integer("columns that belong to the spring, the first ones")
+    lag = integer("samples between the residual tested and the torque on either side of it")
+    accuracy = number("systematic error of the deflection", unit="rad")
+    noise = number("variance of the deflection's noise as it enters a row", unit="rad^2")
+    bias = number("relative error of the stiffness from which a model may be called wrong")
+    spread = vector("p", "prior variance", unit="(N m)^2", symbol="P(0)")
+    known = vector(
+        "p", "variance of what the device file says of a column, 0: nothing", unit="(N m)^2"
+    )
+
+
+class EvidenceState(Record):
+    """Running sums. Scores are residual times regressor: their sum is what least squares zeroes."""
+
+    rows = number("rows, faded by forgetting", symbol="n")
+    squares = number("sum of squared residuals", unit="(N m)^2")
+    anchored = integer("1: what the device file says has been absorbed")
+    evaluated = integer("evaluations since reset")
+    variance = number("variance of a row's noise", unit="(N m)^2", symbol="s^2")
+    inflation = number("factor on the read-out's variance for coloured residuals")
+    deflection = number("rms deflection that nothing else explains", unit="rad")
+    direction = vector("p", "P times the read-out direction")
+    unit = vector("p", "scratch: a unit vector")
+    std = vector("p", "standard deviation of each coefficient", unit="N m")
+    turn = integer("coefficient whose standard deviation is renewed next")
+    e = vector(RING, "recent residuals", unit="N m")
+    f = vector(RING, "recent fitted elastic torques", unit="N m")
+    head = integer("where the next one goes")
+    length = integer("how many there are")
+    weight = number("terms in the tests, faded")
+    torque = number("sum of fitted torques", unit="N m")
+    torque2 = number("sum of their squares", unit="(N m)^2")
+    probe = vector(PROBES, "sums of residual times probe")
+    probe2 = vector(PROBES, "sums of squared probes")
+    cross = number("sum of bend times torque", unit="(N m)^2")
+    share = vector(PROBES, "relative error of the stiffness each probe hints at")
+    doubt = vector(PROBES, "how sure that is, 2.5 is one in 700 by chance")
+    streak = vector(PROBES, "evaluations in a row in which it spoke", kind="int")
+    wrong = integer("status bits of the probes that found the model wrong")
+
+
+def init(params: Any, state: Any) -> None:
+    """No rows yet, so no noise level: the first evaluation sets it."""
+    state.evaluated = 0
+    state.inflation = 1.0
+
+
+def add(params: Any, state: Any, sums: Any, row: Any, solver: Any) -> None:
+    """Take the row just absorbed by the solver.
+
+    The squared residuals add up to ``sum e(k)^2 / (1 + rho(k))``, exactly the least-squares
+    objective; scores use the residual after the update, so that the first rows, whose innovation
+    is the whole torque, do not drown the rest.
+    """
+    shrink = 1.0 / (1.0 + solver.leverage)
+    state.squares = params.forgetting * state.squares
+    state.squares = state.squares + solver.innovation * solver.innovation * shrink
+    state.rows = params.forgetting * state.rows + 1.0
+    e = solver.innovation * shrink
+    f = 0.0
+    p = len(row.R)
+    for i in range(p):
+        sums.part[i] = sums.part[i] + e * row.R[i]
+    for i in range(params.terms):
+        f = f + row.R[i] * solver.alpha[i]
+    if row.fresh != 0:
+        state.length = 0
+    state.e[state.head] = e
+    state.f[state.head] = f
+    if state.length <= 2 * params.lag:
+        state.length = state.length + 1
+    if state.length > 2 * params.lag:
+        _probe(params, state, sums, p, f)
+    state.head = state.head + 1
+    if state.head >= RING:
+        state.head = 0
+    sums.filled = sums.filled + 1
+
+
+def _probe(params: Any, state: Any, sums: Any, p: int, after: float) -> None:
+    middle = state.head - params.lag
+    if middle < 0:
+        middle = middle + RING
+    first = middle - params.lag
+    if first < 0:
+        first = first + RING
+    e = state.e[middle]
+    f = state.f[middle]
+    before = state.f[first]
+    m = params.memory
+    shift = after - before
+    bend = after - 2.0 * f + before
+    state.weight = m * state.weight + 1.0
+    state.torque = m * state.torque + f
+    state.torque2 = m * state.torque2 + f * f
+    state.cross = m * state.cross + bend * f
+    state.probe[MEAN] = m * state.probe[MEAN] + e
+    state.probe[SHIFT] = m * state.probe[SHIFT] + e * shift
+    state.probe[BEND] = m * state.probe[BEND] + e * bend
+    state.probe[SCALE] = m * state.probe[SCALE] + e * f
+    state.probe2[SHIFT] = m * state.probe2[SHIFT] + shift * shift
+    state.probe2[BEND] = m * state.probe2[BEND] + bend * bend
+    sums.part[p + MEAN] = sums.part[p + MEAN] + e
+    sums.part[p + SHIFT] = sums.part[p + SHIFT] + e * shift
+    sums.part[p + BEND] = sums.part[p + BEND] + e * bend
+    sums.part[p + SCALE] = sums.part[p + SCALE] + e * f
+
+
+def due(params: Any, state: Any, sums: Any, block_params: Any, p: int) -> int:
+    """Close a full block; returns 1 when it is time to evaluate."""
+    if sums.filled < block_params.base:
+        return 0
+    blocks.close(block_params, sums, p)
+    if sums.closed < (state.evaluated + 1) * DUE:
+        return 0
+    state.evaluated = state.evaluated + 1
+    return 1
+
+
+def noise_level(params: Any, state: Any) -> None:
+    """``s^2 = J / (n - p)`` with J the sum of squared residuals."""
+    free = state.rows - len(state.std)
+    if free > 0.0:
+        state.variance = state.squares / free
+
+
+def judge(params: Any, state: Any, sums: Any, D: Any, stiffness: float) -> None:
+    """Renew inflation and informative deflection for the direction D, ``direction`` being P D.
+
+    ``inflation = v^T S v / (s^2 D^T P D)``, v = P D, S the scores' variance over blocks: the
+    sandwich estimate, never below 1. ``deflection^2 = 1 / (n D^T P D)``: for one column the mean
+    square of the deflection, for more the part of it that no other column explains.
+    """
+    p = len(state.direction)
+    q = 0.0
+    for i in range(p):
+        q = q + D[i] * state.direction[i]
+    state.inflation = 1.0
+    if q > 0.0 and state.variance > 0.0:
+        worst = blocks.worst(sums, p, state.direction)
+        if worst > state.variance * q:
+            state.inflation = worst / (state.variance * q)
+        state.deflection = math.sqrt(1.0 / (state.rows * q))
+    _tests(params, state, sums, p)
+
+
+def coefficient(params: Any, state: Any, sums: Any, j: int) -> None:
+    """Renew one coefficient's standard deviation, ``direction`` being P's column j."""
+    p = len(state.direction)
+    own = state.variance * state.direction[j]
+    worst = blocks.worst(sums, p, state.direction)
+    if worst > own:
+        own = worst
+    if own > 0.0:
+        state.std[j] = math.sqrt(own)
+
+
+def _tests(params: Any, state: Any, sums: Any, p: int) -> None:
+    # A torque that hardly varies beside its mean still has the mean to tell gains apart by.
+    n = state.weight
+    power = state.torque2 - state.torque * state.torque / (n + 1e-300)
+    floor = 1e-12 * state.torque2 + 1e-300
+    if power < floor:
+        power = floor
+    for i in range(PROBES):
+        total = state.probe[i]
+        spread = blocks.worst_term(sums, p, p + i)
+        state.doubt[i] = 0.0
+        if spread > 0.0:
+            state.doubt[i] = math.fabs(total) / math.sqrt(spread)
+    state.share[MEAN] = _ratio(state.probe[MEAN] * state.probe[MEAN], (n + 1e-300) * power)
+    shift2 = state.probe[SHIFT] * state.probe[SHIFT]
+    state.share[SHIFT] = _ratio(shift2, state.probe2[SHIFT] * power)
+    bend2 = state.probe2[BEND] - state.cross * state.cross / (state.torque2 + 1e-300)
+    state.share[BEND] = _ratio(state.probe[BEND] * state.probe[BEND], bend2 * power)
+    state.share[SCALE] = _ratio(math.fabs(state.probe[SCALE]), power)
+
+
+def _ratio(top: float, bottom: float) -> float:
+    if bottom > 0.0:
+        return top / bottom
+    return 0.0
+
+
+def verdict_bits(params: Any, state: Any, relative: float) -> None:
+    """Set or clear ``wrong`` with hysteresis, ``relative`` being the interval over the stiffness.
+
+    A probe speaks when the error it hints at exceeds both the tolerated one and the interval,
+    beyond chance, three evaluations in a row; it falls silent at half of that.
+    """
+    limit = params.bias
+    if relative > limit:
+        limit = relative
+    state.wrong = _one(state, MEAN, OFFSET, limit)
+    state.wrong = _one(state, SHIFT, LAG, limit)
+    state.wrong = _one(state, BEND, CURVATURE, limit)
+    state.wrong = _one(state, SCALE, DRIFT, limit)
+
+
+def _one(state: Any, i: int, bit: int, limit: float) -> int:
+    wrong: int = state.wrong
+    if state.share[i] > limit and state.doubt[i] > CONFIDENT:
+        state.streak[i] = state.streak[i] + 1
+    else:
+        state.streak[i] = 0
+    if state.streak[i] >= STREAK:
+        return wrong | bit
+    if wrong & bit != 0 and (state.share[i] < 0.5 * limit or state.doubt[i] < 0.6 * CONFIDENT):
+        return wrong - bit
+    return wrong
+
+
+def negative(stiffness: float, std: float) -> int:
+    """Status bit of a stiffness below zero beyond doubt (three standard deviations)."""
+    if stiffness + 3.0 * std < 0.0:
+        return NEGATIVE
+    return 0

@@ -1,0 +1,105 @@
+"""What every method makes of the samples: a regression row, and the basis to read it out."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rotatum.record import Record, integer, number, vector
+
+INERTIA = 1
+DAMPING = 2
+COULOMB = 3
+SKEW = 4
+TRANSMISSION_DAMPING = 5
+OFFSET = 6
+
+
+class MotorSample(Record):
+    """One sample of a series joint whose elastic torque is estimated from its motor."""
+
+    time = number("of the sample", unit="s", symbol="t")
+    q = number("link position", unit="rad", symbol="q")
+    theta = number("motor position, joint side", unit="rad", symbol="theta")
+    tau = number("motor torque, joint side", unit="N m", symbol="tau")
+    enable = integer("0: do not learn from this sample")
+
+
+class SensorSample(Record):
+    """One sample of a series joint whose elastic torque is measured."""
+
+    time = number("of the sample", unit="s", symbol="t")
+    q = number("link position", unit="rad", symbol="q")
+    theta = number("motor position, joint side", unit="rad", symbol="theta")
+    torque = number("measured elastic torque", unit="N m", symbol="tau_e")
+    enable = integer("0: do not learn from this sample")
+
+
+class Row(Record):
+    """``y = R^T alpha + noise``, and F, dF/dphi, d2F/dphi2 at the deflection of now."""
+
+    valid = integer("1: learn from this row")
+    status = integer("status bits")
+    fresh = integer("1: the filters started at this sample")
+    y = number("left side", unit="N m", symbol="y")
+    phi = number("deflection now", unit="rad", symbol="phi")
+    R = vector("p", "regressors", symbol="R")
+    F = vector("p", "basis now, 0 for columns that are no spring", symbol="F")
+    D = vector("p", "its derivative by deflection", unit="1/rad", symbol="F_phi")
+    H = vector("p", "its second derivative", unit="1/rad^2", symbol="F_phiphi")
+
+
+class ZeroParams(Record):
+    """Where the deflection is zero."""
+
+    zero = number("deflection at rest", unit="rad")
+    samples = integer("samples whose mean deflection is the zero; 0: `zero` is")
+
+
+class ZeroState(Record):
+    """The deflection's zero, once known."""
+
+    zero = number("deflection at rest", unit="rad")
+    total = number("sum of deflections", unit="rad")
+    count = integer("samples in the sum")
+
+
+def find_zero(params: Any, state: Any, raw: float) -> int:
+    """Average ``q - theta`` over the first samples. Returns 1 once the zero is known."""
+    if params.samples < 1:
+        state.zero = params.zero
+        return 1
+    if state.count >= params.samples:
+        return 1
+    state.total = state.total + raw
+    state.count = state.count + 1
+    state.zero = state.total / state.count
+    return 0
+
+
+def sign(velocity: float, width: float) -> float:
+    """Coulomb friction's sign, linear within ``width`` so that noise at rest does not flip it."""
+    if velocity > width:
+        return 1.0
+    if velocity < -width:
+        return -1.0
+    return velocity / width
+
+
+def read_basis(terms: Any, out: Any) -> None:
+    """Copy the basis at the deflection of now into a row; the other columns are no spring."""
+    for h in range(len(out.F)):
+        out.F[h] = 0.0
+        out.D[h] = 0.0
+        out.H[h] = 0.0
+    for h in range(len(terms.F)):
+        out.F[h] = terms.F[h]
+        out.D[h] = terms.D[h]
+        out.H[h] = terms.H[h]
+
+
+def hat(before: float, middle: float, after: float) -> float:
+    """Average of a smooth signal under the hat ``1 - |t|/T`` of unit area, from three samples.
+
+    ``(x(k-1) + 10 x(k) + x(k+1)) / 12``: exact for cubics; error of order T^4 otherwise.
+    """
+    return (before + 10.0 * middle + after) * (1.0 / 12.0)

@@ -1,0 +1,109 @@
+"""The one table of status bits and verdicts: kernels, C, reports and docs use it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Status(NamedTuple):
+    """One bit of ``status``.
+
+    Args:
+        name: short name, as in tables and JSON.
+        bit: its value.
+        sentence: what it means and what to do about it.
+    """
+
+    name: str
+    bit: int
+    sentence: str
+
+
+NOT_FINITE = 1
+REPEATED = 2
+BACKWARDS = 4
+BRIDGED = 8
+GAP = 16
+JUMP = 32
+SATURATED = 64
+RESTARTED = 128
+SETTLING = 256
+DISABLED = 512
+WIDE = 1024
+PRIOR = 2048
+DEFLECTION = 4096
+LAG = 8192
+CURVATURE = 16384
+OFFSET = 32768
+DRIFT = 65536
+NEGATIVE = 131072
+
+REJECTED = NOT_FINITE | REPEATED | BACKWARDS | SATURATED
+WRONG = LAG | CURVATURE | OFFSET | DRIFT | NEGATIVE
+
+TABLE: tuple[Status, ...] = (
+    Status("not_finite", NOT_FINITE, "a channel or the time was NaN or infinite: sample skipped"),
+    Status("repeated", REPEATED, "the time stamp came again or too early: sample skipped"),
+    Status("backwards", BACKWARDS, "time ran backwards: sample skipped"),
+    Status("bridged", BRIDGED, "a few samples were missing: filled by straight lines"),
+    Status("gap", GAP, "too many samples were missing: filters restarted, estimate kept"),
+    Status("jump", JUMP, "a channel jumped further than it can move: filters restarted"),
+    Status("saturated", SATURATED, "a channel is at its limit: sample skipped, filters restarted"),
+    Status("restarted", RESTARTED, "filters start here"),
+    Status("settling", SETTLING, "filters have not forgotten their start: no row"),
+    Status("disabled", DISABLED, "updates are switched off by the caller"),
+    Status(
+        "wide",
+        WIDE,
+        "1.96 standard deviations exceed half of the stiffness: the joint has to be deflected "
+        "more, or for longer, or less of the model fitted",
+    ),
+    Status(
+        "prior",
+        PRIOR,
+        "the data have hardly narrowed the prior in the direction of this stiffness: the joint has "
+        "not been deflected in this range",
+    ),
+    Status(
+        "deflection",
+        DEFLECTION,
+        "the deflection that informs the stiffness is not large against the encoders' error: the "
+        "spring moves less than q - theta can be trusted",
+    ),
+    Status(
+        "lag",
+        LAG,
+        "the residual is a delayed copy of the elastic torque: the method's own filter (raise the "
+        "cutoff, or use `weak`), a skew between channels, or a damping that is not modelled",
+    ),
+    Status(
+        "curvature",
+        CURVATURE,
+        "the residual follows the second derivative of the elastic torque: a wrong motor "
+        "inertia, or a cutoff too low for the motion",
+    ),
+    Status(
+        "offset",
+        OFFSET,
+        "the residual has a mean: a wrong zero of the deflection or of the torque; fit `offset`",
+    ),
+    Status(
+        "drift",
+        DRIFT,
+        "recent data ask for another stiffness than all data together: it changes over time (use "
+        "forgetting), or something else in the model does",
+    ),
+    Status(
+        "negative",
+        NEGATIVE,
+        "the stiffness comes out negative beyond doubt: a wrong sign, side or channel, or friction "
+        "that looks like a spring",
+    ),
+)
+
+STARVED = 0
+CONVERGING = 1
+INFORMATIVE = 2
+INCONSISTENT = 3
+
+VERDICTS: tuple[str, ...] = ("starved", "converging", "informative", "inconsistent")

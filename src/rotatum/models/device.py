@@ -1,0 +1,180 @@
+"""Device files: TOML in, one immutable Device out, errors that name the key."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from rotatum.errors import DeviceError, nearest
+from rotatum.models.channel import Channel
+from rotatum.models.explain import explain, key_names
+from rotatum.models.joint import Clocked, Joint
+
+__all__ = ["Device", "device_from_tables", "device_names", "load_device"]
+
+_SHARED = ("name", "channels", "estimator", "joint")  # keys beside [[joint]]
+
+
+@dataclass(frozen=True)
+class Device:
+    """A device: its joints and where its description came from.
+
+    Parameters
+    ----------
+    name : the device's name.
+    joints : its elastic joints, in the order of the file.
+    source : path of the file, or "catalogue:NAME".
+    time : where logs keep the sample clock; None: the canonical column `time`.
+    """
+
+    name: str
+    joints: tuple[Joint, ...]
+    source: str
+    time: Channel | None = None
+
+    @property
+    def period(self) -> float | None:
+        """Sample period its logs must have [s], where the device declares one."""
+        return next((j.estimator.period for j in self.joints if j.estimator.period), None)
+
+
+def device_names() -> tuple[str, ...]:
+    """Return the names of the catalogue, sorted."""
+    entries = (files("rotatum.models") / "catalogue").iterdir()
+    return tuple(sorted(e.name.removesuffix(".toml") for e in entries if e.name.endswith(".toml")))
+
+
+def load_device(name_or_path: str | Path) -> Device:
+    """Read a device from the catalogue or from a TOML file.
+
+    Parameters
+    ----------
+    name_or_path : a name of `device_names()`, or a path.
+
+    Raises
+    ------
+    DeviceError if there is no such device, or the file does not describe one; it names the file,
+    the key, the value, what is allowed and the nearest known key.
+    """
+    text = str(name_or_path)
+    if text in device_names():
+        entry = files("rotatum.models") / "catalogue" / f"{text}.toml"
+        return _from_text(entry.read_text("utf-8"), f"catalogue:{text}")
+    path = Path(name_or_path)
+    try:
+        return _from_text(path.read_text("utf-8"), text)
+    except FileNotFoundError:
+        raise _no_such_device(text) from None
+    except UnicodeDecodeError as error:
+        raise DeviceError("is not a text file in UTF-8", where=text) from error
+    except OSError as error:
+        reason = error.strerror or type(error).__name__
+        raise DeviceError(f"cannot be read ({reason})", where=text) from error
+
+
+def device_from_tables(tables: Mapping[str, Any], source: str) -> Device:
+    """Build a device from the tables of its file.
+
+    Parameters
+    ----------
+    tables : the parsed TOML.
+    source : where they came from, for messages.
+
+    Raises
+    ------
+    DeviceError as in `load_device`.
+    """
+    name = tables.get("name")
+    if not isinstance(name, str) or not name:
+        raise DeviceError('needs name = "..."', where=source, value=name)
+    if "joint" not in tables:
+        time, channels = _split_time(tables.get("channels", {}), source, "")
+        joint = _joint({**tables, "channels": channels}, source, "")
+        return Device(name=name, joints=(joint,), source=source, time=time)
+    return _robot(name, tables, source)
+
+
+def _robot(name: str, tables: Mapping[str, Any], source: str) -> Device:
+    """Build a device of several [[joint]] tables, which share [estimator] and the clock."""
+    for key in tables:
+        if key not in _SHARED:
+            raise _unknown_key(key, _SHARED, source)
+    if not isinstance(tables["joint"], list) or not tables["joint"]:
+        raise DeviceError("joint must be an array of tables: [[joint]]", where=source)
+    time, others = _split_time(tables.get("channels", {}), source, "")
+    if others:
+        key = f"channels.{next(iter(others))}"
+        raise DeviceError(f"{key} belongs into a [joint.channels] table", where=source)
+    joints: list[Joint] = []
+    for number, table in enumerate(tables["joint"]):
+        place = f"joint[{number}]."
+        own_time, channels = _split_time(table.get("channels", {}), source, place)
+        if own_time is not None and time is not None and own_time != time:
+            what = f"{place}channels.time differs from that before it: a log has one clock"
+            raise DeviceError(what, where=source)
+        time = own_time or time
+        settings = {**tables.get("estimator", {}), **table.get("estimator", {})}
+        merged = {**table, "channels": channels, "estimator": settings}
+        joints.append(_joint(merged, source, place))
+    names = [joint.name for joint in joints]
+    if len(set(names)) < len(names):
+        raise DeviceError("two joints have the same name", where=source, value=names)
+    return Device(name=name, joints=tuple(joints), source=source, time=time)
+
+
+def _joint(table: Mapping[str, Any], source: str, place: str) -> Joint:
+    """Build one joint; the file's `motor` is one table or an array of them."""
+    fields = dict(table)
+    if "motors" in fields:
+        raise _unknown_key(f"{place}motors", key_names(Joint), source)
+    if "motor" in fields:
+        motor = fields.pop("motor")
+        fields["motors"] = motor if isinstance(motor, list) else [motor]
+    try:
+        return Joint.model_validate(fields)
+    except ValidationError as error:
+        raise explain(error, Joint, source=source, place=place) from None
+
+
+def _split_time(raw: object, source: str, place: str) -> tuple[Channel | None, dict[str, Any]]:
+    """Take the clock's channel out of a [channels] table."""
+    if not isinstance(raw, Mapping):
+        raise DeviceError(f"{place}channels must be a table", where=source, value=raw)
+    channels = dict(raw)
+    if "time" not in channels:
+        return None, channels
+    try:
+        return Clocked.model_validate({"time": channels.pop("time")}).time, channels
+    except ValidationError as error:
+        raise explain(error, Clocked, source=source, place=f"{place}channels.") from None
+
+
+def _from_text(text: str, source: str) -> Device:
+    """Parse TOML, saying where it is wrong."""
+    try:
+        tables = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise DeviceError(f"is not valid TOML: {error}", where=source) from None
+    return device_from_tables(tables, source)
+
+
+def _no_such_device(text: str) -> DeviceError:
+    """Say that neither the catalogue nor the disk has it."""
+    names = device_names()
+    close = nearest(text, names)
+    hint = f'Did you mean "{close}"?' if close else None
+    what = "no such device file, and no such name in the catalogue"
+    return DeviceError(what, value=text, allowed=names, hint=hint)
+
+
+def _unknown_key(key: str, allowed: tuple[str, ...], source: str) -> DeviceError:
+    """Say which key is unknown and which is nearest."""
+    close = nearest(key.rpartition(".")[2], allowed)
+    hint = f'Did you mean "{close}"?' if close else None
+    return DeviceError(f'unknown key "{key}"', where=source, allowed=allowed, hint=hint)

@@ -1,0 +1,142 @@
+"""One elastic joint of a device: its parts, how it is estimated and where a log keeps it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from rotatum.errors import DeviceError
+from rotatum.models.channel import MOTOR_SIDE_ROLES, ROLE_KINDS, ROLES, Channel
+from rotatum.models.parts import Basis, Encoders, Link, Motor, Setpoint, Transmission
+from rotatum.models.table import Positive, Table, bad_choice
+from rotatum.models.units import find_unit, unit_names
+
+__all__ = ["FIT_QUANTITIES", "Clocked", "EstimatorSettings", "Joint"]
+
+# Quantities that can be fitted beside the stiffness; the second half on the link's side.
+FIT_QUANTITIES = (
+    "inertia",
+    "damping",
+    "coulomb",
+    "offset",
+    "skew",
+    "transmission_damping",
+    "link_damping",
+    "link_coulomb",
+    "gravity_torque",
+    "payload",
+)
+
+
+class EstimatorSettings(Table):
+    """How the device's maker suggests to estimate; the command line overrides.
+
+    method; side "motor" or "link"; torque "estimated", "sensor" or "model"; cutoff [rad/s] or
+    window [s]; fit: quantities fitted beside the stiffness; forgetting in (0, 1]; period [s]: of
+    the logs this device writes (one that differs by more than 1 % is refused; stands in for a
+    time channel where a log has none).
+    """
+
+    method: str | None = None
+    side: Literal["motor", "link"] | None = None
+    torque: Literal["estimated", "sensor", "model"] | None = None
+    cutoff: Positive | None = None
+    window: Positive | None = None
+    fit: tuple[str, ...] | None = None
+    forgetting: Annotated[float, Field(strict=True, gt=0.0, le=1.0)] | None = None
+    period: Positive | None = None
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        """Refuse both widths at once and quantities that cannot be fitted."""
+        if self.cutoff is not None and self.window is not None:
+            raise ValueError("give cutoff (rad/s) or window (s), not both")
+        for name in self.fit or ():
+            if name not in FIT_QUANTITIES:
+                raise bad_choice("unknown quantity to fit", "fit", name, FIT_QUANTITIES)
+        return self
+
+
+class Joint(Table):
+    """One elastic joint.
+
+    name; actuation; motors (agonist first; none: the torque is a sensor's); setpoint (serial);
+    transmission; link; encoders; basis; estimator; channels: role -> where a log keeps it.
+    """
+
+    name: Annotated[str, Field(min_length=1)]
+    actuation: Literal["series", "antagonistic", "serial"] = "series"
+    motors: tuple[Motor, ...] = ()
+    setpoint: Setpoint | None = None
+    transmission: Transmission = Transmission()
+    link: Link | None = None
+    encoders: Encoders = Encoders()
+    basis: Basis = Basis()
+    estimator: EstimatorSettings = EstimatorSettings()
+    channels: Mapping[str, Channel] = Field(default_factory=dict)
+
+    @property
+    def roles(self) -> tuple[str, ...]:
+        """Quantities a log can hold for a joint of this actuation."""
+        return ROLES[self.actuation]
+
+    def gear_ratio(self, role: str) -> float:
+        """Return the gear ratio between the motor a role belongs to and the joint."""
+        motor = MOTOR_SIDE_ROLES[role]
+        return self.motors[motor].gear_ratio if motor < len(self.motors) else 1.0
+
+    @model_validator(mode="after")
+    def _motors_of_the_actuation(self) -> Self:
+        """Refuse a number of motors the actuation does not have."""
+        needed = 2 if self.actuation == "antagonistic" else 1
+        if self.motors and len(self.motors) != needed:
+            what = f'actuation "{self.actuation}" has {needed} motor tables, not '
+            raise ValueError(f"{what}{len(self.motors)}")
+        if self.setpoint is not None and self.actuation != "serial":
+            raise ValueError(f'actuation "{self.actuation}" has no set-point')
+        return self
+
+    @model_validator(mode="after")
+    def _channels_of_the_actuation(self) -> Self:
+        """Refuse roles, units and sides that make no sense for this joint."""
+        for role, channel in self.channels.items():
+            if role not in self.roles:
+                raise bad_choice("unknown channel", "channels", role, ("time", *self.roles))
+            check_unit(role, channel)
+            if channel.side == "motor" and role not in MOTOR_SIDE_ROLES:
+                raise ValueError(f"channel {role} is always at the joint; side must be joint")
+            if channel.side == "motor" and not self.motors:
+                what = f"channel {role} is on the motor's side, so [motor] gear_ratio is needed"
+                raise ValueError(what)
+        return self
+
+
+def check_unit(role: str, channel: Channel, *, prefix: str = "channels.") -> None:
+    """Refuse an unknown unit, and one of another kind than the role's.
+
+    Raises
+    ------
+    PydanticCustomError, with the key, the value and the allowed units.
+    """
+    if channel.unit is None:
+        return
+    kinds = ROLE_KINDS[role]
+    try:
+        find_unit(channel.unit, *kinds)
+    except DeviceError as error:
+        key = f"{prefix}{role}.unit"
+        raise bad_choice(error.what, key, channel.unit, unit_names(*kinds)) from None
+
+
+class Clocked(Table):
+    """The clock's entry of a [channels] table, shared by all joints of a log."""
+
+    time: Channel
+
+    @model_validator(mode="after")
+    def _unit_of_time(self) -> Self:
+        """Refuse a clock that does not measure time."""
+        check_unit("time", self.time, prefix="")
+        return self
