@@ -43,7 +43,7 @@ docs: $(VENV)/.dev
 	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet -b html docs docs/_build/html
 
 clean:
-	rm -rf $(VENV) $(DEMO) build dist docs/_build docs/reference/api .import_linter_cache .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) $(DEMO) build dist docs/_build docs/reference/api docs/reference/references.md .import_linter_cache .mypy_cache .pytest_cache .ruff_cache .hypothesis
 	find src tests checks docs benchmarks examples -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
 
 # The environment. Each stamp is older than the files that decide what is installed, or remade.

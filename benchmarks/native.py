@@ -106,7 +106,7 @@ class Native:
 
     def _check(self, u: Records, out: Records) -> None:
         if [u.itemsize, out.itemsize] != self.sizes[2:] or len(u) != len(out):
-            raise AssertionError("the arrays do not fit the C structs")
+            raise AssertionError(f"records of {u.itemsize} and {out.itemsize} B, C structs of {self.sizes[2:]}")
 
 
 def _pointer(array: NDArray[Any]) -> ctypes.c_void_p:

@@ -45,6 +45,8 @@ orders = 3
 {open}estimator]
 method = "weak"
 fit = ["offset"]
+{open}channels]
+tau = {{ hold = "{hold}" }}
 """
 
 
@@ -62,12 +64,12 @@ class Case(NamedTuple):
     inputs: Records
 
 
-def device_text(joints: int = 1) -> str:
+def device_text(joints: int = 1, *, hold: str = "held") -> str:
     """Return a device file with that many equal joints: one named ``arm``, or ``j0``, ``j1``, ..."""
     if joints == 1:
-        return 'name = "arm"\n' + JOINT.format(open="[")
-    tables = [f'[[joint]]\nname = "j{i}"\n' + JOINT.format(open="[joint.") for i in range(joints)]
-    return 'name = "arm"\n' + "\n".join(tables)
+        return 'name = "arm"\n' + JOINT.format(open="[", hold=hold)
+    body = JOINT.format(open="[joint.", hold=hold)
+    return 'name = "arm"\n' + "".join(f'[[joint]]\nname = "j{i}"\n{body}' for i in range(joints))
 
 
 @lru_cache(maxsize=4)

@@ -58,12 +58,10 @@ def _names(documented: set[str]) -> Iterator[str]:
 
 
 def _records() -> Iterator[str]:
-    for module, record in surface.records():
-        if not record.doc:
-            yield f"{module}.{record.name}: says nothing of itself"
-        for name, field in record.fields.items():
+    for record in surface.records():
+        for name, field in record.fields().items():
             if not field.doc:
-                yield f"{module}.{record.name}.{name}: says nothing of itself"
+                yield f"{surface.home(record)}.{record.__name__}.{name}: says nothing of itself"
 
 
 def _pages() -> Iterator[str]:

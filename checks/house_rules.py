@@ -85,12 +85,9 @@ def _names_values(node: ast.ImportFrom) -> bool:
 
 
 def _body_lines(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
-    """Lines of a function without its docstring."""
-    size = (node.end_lineno or node.lineno) - node.lineno + 1
-    first = node.body[0]
-    if ast.get_docstring(node) is not None:
-        size -= (first.end_lineno or first.lineno) - first.lineno + 1
-    return size
+    """Lines of a function without its signature and docstring."""
+    body = node.body[1:] if ast.get_docstring(node) is not None else node.body
+    return (body[-1].end_lineno or 0) - body[0].lineno + 1 if body else 0
 
 
 def _texts() -> Iterator[str]:

@@ -10,20 +10,12 @@ import inspect
 import pkgutil
 from collections.abc import Iterator
 from types import ModuleType
-from typing import NamedTuple
 
 import rotatum
-from rotatum.record import Layout, Template
+from rotatum.record import Record
 
 # The command line has a reference of its own, generated from its options.
 NOT_API = "rotatum.cli"
-
-
-class Record(NamedTuple):
-    """A record and the module that defines it."""
-
-    module: str
-    record: Template | Layout
 
 
 def module_names() -> list[str]:
@@ -65,15 +57,12 @@ def canonical(name: str) -> str:
     return f"rotatum.{name}"
 
 
-def records() -> Iterator[Record]:
+def records() -> Iterator[type[Record]]:
     """Yield every record, in the order of modules and of definition."""
-    seen: set[int] = set()
     for module in modules():
-        for name, value in vars(module).items():
-            mine = isinstance(value, Template | Layout) and not name.startswith("_")
-            if mine and id(value) not in seen and not _imported(module, name):
-                seen.add(id(value))
-                yield Record(module.__name__, value)
+        for value in defined(module).values():
+            if isinstance(value, type) and issubclass(value, Record) and value is not Record:
+                yield value
 
 
 def _is_code(value: object) -> bool:
@@ -83,9 +72,3 @@ def _is_code(value: object) -> bool:
 
 def _unwrapped(value: object) -> object:
     return inspect.unwrap(value) if callable(value) else value
-
-
-def _imported(module: ModuleType, name: str) -> bool:
-    """Whether the module got the name from another one: its source does not define it."""
-    source = inspect.getsource(module)
-    return f"class {name}" not in source and f"{name} =" not in source

@@ -35,6 +35,9 @@ html_show_sourcelink = False
 myst_enable_extensions = ["amsmath", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 
+# A bare type name in a signature may be two modules' own; which one it links to is no defect.
+suppress_warnings = ["ref.python"]
+
 # A name between single backticks in a docstring is code.
 default_role = "code"
 autodoc_typehints = "signature"

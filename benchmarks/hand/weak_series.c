@@ -10,7 +10,7 @@ enum {
 };
 enum { STARVED, CONVERGING, INFORMATIVE, INCONSISTENT };
 enum { MEAN, SHIFT, BEND, SCALE };
-enum { PATIENCE = 10, DUE = 8 };
+enum { PATIENCE = 10, DUE = 8, STREAK = 3 };
 
 static const double ENOUGH = 8.0, CONFIDENT = 2.5;
 
@@ -39,7 +39,6 @@ void weak_series_init(const weak_series_params *p, weak_series_state *s)
     memset(s, 0, sizeof *s);
     s->fresh = 1;
     s->inflation = 1.0;
-    s->reading.converged_at = -1.0;
     for (int i = 0; i < P; ++i) {
         s->d[i] = p->c.prior;
         s->U[i][i] = 1.0;
@@ -466,7 +465,9 @@ static void set_wrong(const weak_series_params *p, weak_series_state *s, double 
     static const int bits[PROBES] = {OFFSET, LAG, CURVATURE, DRIFT};
     double limit = relative > p->c.bias ? relative : p->c.bias;
     for (int i = 0; i < PROBES; ++i) {
-        if (s->share[i] > limit && s->doubt[i] > CONFIDENT) {
+        int speaks = s->share[i] > limit && s->doubt[i] > CONFIDENT;
+        s->streak[i] = speaks ? s->streak[i] + 1 : 0;
+        if (s->streak[i] >= STREAK) {
             s->wrong |= bits[i];
         } else if (s->share[i] < 0.5 * limit || s->doubt[i] < 0.6 * CONFIDENT) {
             s->wrong &= ~bits[i];
@@ -554,7 +555,8 @@ static void note_convergence(const weak_series_params *p, weak_series_state *s, 
     } else {
         s->good = 0;
     }
-    r->converged_at = s->converged ? s->converged_at : -1.0;
+    r->converged = s->converged;
+    r->converged_at = s->converged_at;
 }
 
 static void read_out(const weak_series_params *p, weak_series_state *s, const basis *b, double time,

@@ -19,7 +19,7 @@ typedef struct {
     double stiffness, stiffness_std, torque, torque_std, dstiffness;
     double deflection, row_torque, row_fit;
     double noise, inflation, informative_deflection, converged_at;
-    int64_t verdict, status, rows;
+    int64_t converged, verdict, status, rows;
     double coefficients[P], coefficients_std[P];
 } weak_series_reading;
 
@@ -69,7 +69,7 @@ typedef struct {
     /* noise level and tests of the model */
     double weight_rows, squares, variance, inflation, deflection, relative, noise, std[P];
     int64_t evaluated;
-    int std_turn, head, length, wrong;
+    int std_turn, head, length, wrong, streak[PROBES];
     double e[RING], f[RING];
     double weight, torque, torque2, cross, probe[PROBES], shift2, bend2;
     double share[PROBES], doubt[PROBES];

@@ -1,4 +1,4 @@
-"""The API reference: one page per package, written at build time into ``reference/api/``."""
+"""Pages written at build time: the API reference (one per package) and the papers cited."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from sphinx.application import Sphinx
 
 import rotatum
 from checks import surface
+from rotatum.report.references import REFERENCES
 
 
 def write(app: Sphinx) -> None:
@@ -22,9 +23,14 @@ def write(app: Sphinx) -> None:
     for stale in {p.name for p in folder.glob("*.md")} - set(texts):
         (folder / stale).unlink()
     for name, text in texts.items():
-        path = folder / name
-        if not path.exists() or path.read_text("utf-8") != text:
-            path.write_text(text, "utf-8")
+        _put(folder / name, text)
+    _put(folder.parent / "references.md", _references())
+
+
+def _put(path: Path, text: str) -> None:
+    """Write a page unless it is the same: Sphinx then need not read it again."""
+    if not path.exists() or path.read_text("utf-8") != text:
+        path.write_text(text, "utf-8")
 
 
 def _packages() -> dict[str, list[str]]:
@@ -62,6 +68,16 @@ def _row(name: str) -> str:
     first = (inspect.getdoc(value) or "").partition("\n")[0].replace("|", "\\|").replace("``", "`")
     role = "mod" if inspect.ismodule(value) else "obj"
     return f"| {{py:{role}}}`rt.{name} <{surface.canonical(name)}>` | {first} |"
+
+
+def _references() -> str:
+    """Headings are the keys, so that other pages can link to ``references.md#key``."""
+    parts = ["# References\n\nBy the key that stages, reports and docstrings cite.\n"]
+    for key, paper in sorted(REFERENCES.items()):
+        link = f" [doi:{paper.doi}](https://doi.org/{paper.doi})" if paper.doi else ""
+        text = f"{paper.authors}. *{paper.title}*. {paper.where}.{link}"
+        parts.append(f"## {key}\n\n{text}\n\nHere: {paper.why}.\n")
+    return "\n".join(parts)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
 from collections import defaultdict
-from typing import Any
 
 from docutils import nodes
 from sphinx.application import Sphinx
@@ -13,7 +13,7 @@ from tables import paragraph, section, table
 from checks import surface
 from rotatum.kernels import status
 from rotatum.models.units import find_unit, unit_names
-from rotatum.record import Field
+from rotatum.record import Field, Record
 
 
 class Letters(SphinxDirective):
@@ -22,11 +22,11 @@ class Letters(SphinxDirective):
     def run(self) -> list[nodes.Node]:
         """Make one row per letter and meaning."""
         uses: dict[tuple[str, str, str], list[str]] = defaultdict(list)
-        for _, record in surface.records():
-            for name, field in record.fields.items():
+        for record in surface.records():
+            for name, field in record.fields().items():
                 if field.symbol:
                     place = uses[field.symbol, _unit(field), field.doc]
-                    place.append(f"`{record.name}.{name}`")
+                    place.append(f"`{record.__name__}.{name}`")
         rows = [
             (f"`{symbol}`", doc, unit, ", ".join(places))
             for (symbol, unit, doc), places in sorted(uses.items(), key=_by_letter)
@@ -39,16 +39,18 @@ class Records(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """Make a section with a table per record."""
-        return [self._record(module, record) for module, record in surface.records()]
+        return [self._record(record) for record in surface.records()]
 
-    def _record(self, module: str, record: Any) -> nodes.section:
+    def _record(self, record: type[Record]) -> nodes.section:
         head = ("Field", "Letter", "Unit", "Size", "Meaning")
         rows = [
             (f"`{name}`", f"`{f.symbol}`" if f.symbol else "", _unit(f), _size(f), f.doc)
-            for name, f in record.fields.items()
+            for name, f in record.fields().items()
         ]
-        intro = f"{record.doc} Defined in `{module}`."
-        return section(record.name, f"{module}.{record.name}", paragraph(intro), table(head, rows))
+        module = surface.home(record)
+        intro = paragraph(f"{inspect.getdoc(record)} Defined in `{module}`.")
+        place = f"{module}.{record.__name__}"
+        return section(record.__name__, place, intro, table(head, rows))
 
 
 class StatusBits(SphinxDirective):

@@ -1,3 +1,99 @@
-"""stub"""
-def devices() -> None:
-    """Devices."""
+"""`rotatum devices`: the catalogue, or one device with every value and its unit."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from rotatum.cli.failures import DONE
+
+if TYPE_CHECKING:
+    from rotatum.models import Device
+
+__all__ = ["devices"]
+
+
+def devices(
+    name: Annotated[
+        str | None,
+        typer.Argument(help="A name of the catalogue, or a device file.", show_default=False),
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON instead.")] = False,
+) -> int:
+    """List the catalogue of devices, or show one with its values and their units."""
+    import rotatum
+    from rotatum.cli.printing import print_json
+
+    if name is not None:
+        device = rotatum.load_device(name)
+        if json:
+            print_json(_plain(device))
+        else:
+            _print_one(device)
+        return DONE
+    catalogue = [rotatum.load_device(each) for each in rotatum.device_names()]
+    if json:
+        print_json([_plain(device) for device in catalogue])
+    else:
+        _print_all(catalogue)
+    return DONE
+
+
+def _plain(device: Device) -> dict[str, Any]:
+    """Return a device as JSON has it; all values in SI units."""
+    return {
+        "name": device.name,
+        "source": device.source,
+        "about": _about(_text(device)),
+        "joints": [joint.model_dump(mode="json", exclude_none=True) for joint in device.joints],
+    }
+
+
+def _print_all(catalogue: list[Device]) -> None:
+    from rotatum.cli.printing import stdout
+    from rotatum.cli.tables import table_of
+
+    table = table_of("name", "joints", "actuation", "stiffness, N m/rad", "about", numbers=(1, 3))
+    for device in catalogue:
+        kinds = ", ".join(dict.fromkeys(joint.actuation for joint in device.joints))
+        known = [joint.transmission.stiffness for joint in device.joints]
+        told = ", ".join("-" if value is None else f"{value:g}" for value in known)
+        table.add_row(device.name, str(len(known)), kinds, told, _about(_text(device)))
+    console = stdout()
+    console.print(table)
+    console.print("rotatum devices NAME shows one; a copy of its text makes a device file.")
+
+
+def _print_one(device: Device) -> None:
+    from rotatum.cli.device_values import values
+    from rotatum.cli.printing import stdout
+    from rotatum.cli.tables import table_of
+
+    console = stdout()
+    for joint in device.joints:
+        table = table_of("value of " + joint.name, "", "unit", numbers=(1,))
+        for key, value, unit in values(joint):
+            table.add_row(key, value, unit)
+        console.print(table)
+    console.print(f"# {device.source}")
+    console.print(_text(device))
+
+
+def _text(device: Device) -> str:
+    kind, _, name = device.source.partition("catalogue:")
+    if not kind and name:
+        return (files("rotatum.models") / "catalogue" / f"{name}.toml").read_text("utf-8")
+    return Path(device.source).read_text("utf-8")
+
+
+def _about(text: str) -> str:
+    """Return the comment a device file begins with."""
+    words: list[str] = []
+    for line in text.splitlines():
+        if not line.startswith("#"):
+            break
+        words.append(line.lstrip("#").strip())
+    return " ".join(words)

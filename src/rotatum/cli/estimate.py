@@ -9,7 +9,7 @@ import typer
 
 from rotatum.cli.failures import DONE, NO_ANSWER, say
 
-__all__ = ["estimate"]
+__all__ = ["estimate", "names"]
 
 
 def estimate(
@@ -78,7 +78,7 @@ def estimate(
             side=side,
             torque=torque,
             cutoff=cutoff,
-            fit=_names(fit),
+            fit=names(fit),
             forgetting=forgetting,
             solver=solver,
             joints=joint or None,
@@ -99,8 +99,13 @@ def estimate(
     return DONE if found.informative else NO_ANSWER
 
 
-def _names(text: str | None) -> tuple[str, ...] | None:
-    """Split a list with commas; "none" is the empty one."""
+def names(text: str | None) -> tuple[str, ...] | None:
+    """Split a list with commas; "none" is the empty one.
+
+    Parameters
+    ----------
+    text : as typed; None: nothing was.
+    """
     if text is None:
         return None
     names = tuple(name.strip() for name in text.split(",") if name.strip())

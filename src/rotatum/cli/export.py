@@ -1,6 +1,109 @@
-"""stub"""
+"""`rotatum export c`: the estimator of a device as C99 with a test vector."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
 import typer
-app = typer.Typer()
-@app.command("c")
-def c() -> None:
-    """Export."""
+
+from rotatum.cli.failures import DONE
+
+__all__ = ["app", "c"]
+
+app = typer.Typer(no_args_is_help=True, help="Write the estimator as code for another machine.")
+
+
+@app.callback()
+def _targets() -> None:
+    """Write the estimator as code for another machine."""
+
+
+@app.command()
+def c(
+    device: Annotated[
+        str,
+        typer.Option("--device", "-d", help="Device file (TOML), or a name of `rotatum devices`."),
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="A new or empty folder, or an earlier export.")
+    ],
+    method: Annotated[
+        str | None, typer.Option(help="weak or residual; else the device file's, else weak.")
+    ] = None,
+    torque: Annotated[
+        str | None, typer.Option(help="estimated (from the motor) or sensor.")
+    ] = None,
+    cutoff: Annotated[float | None, typer.Option(help="Bandwidth of the rows, rad/s.")] = None,
+    fit: Annotated[
+        str | None, typer.Option(help="Quantities fitted beside the stiffness, with commas.")
+    ] = None,
+    forgetting: Annotated[
+        float | None, typer.Option(help="Weight of a row relative to the next one, 0.9 to 1.")
+    ] = None,
+    solver: Annotated[str | None, typer.Option(help="ud or covariance.")] = None,
+    joint: Annotated[
+        list[str] | None,
+        typer.Option(help="Only this joint; give it again for more.", metavar="NAME"),
+    ] = None,
+    period: Annotated[
+        float | None,
+        typer.Option(help="Sample period, s; else the log's, else the device file's."),
+    ] = None,
+    log: Annotated[
+        Path | None, typer.Option(help="Log for the test vector; else one is made up.")
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
+) -> int:
+    """Write C99 without allocation, and a test that compares it with Python bit for bit.
+
+    `make -C FOLDER test` runs the test.
+    """
+    from rotatum.cli.estimate import names
+    from rotatum.cli.places import check_folder
+    from rotatum.cli.printing import print_json
+    from rotatum.cli.progress import progress
+
+    check_folder(output)
+
+    import rotatum
+    from rotatum.cli.vector import chosen, group_of, holds_of, period_of, records, zeros_of
+
+    robot = chosen(rotatum.load_device(device), joint)
+    opened = rotatum.open_log(log, robot) if log is not None else None
+    with progress("exporting") as shown:
+        loop = rotatum.Estimator(
+            robot,
+            period=period_of(robot, period, opened),
+            method=method,
+            torque=torque,
+            cutoff=cutoff,
+            fit=names(fit),
+            forgetting=forgetting,
+            solver=solver,
+            holds=holds_of(robot, opened),
+            zeros=zeros_of(robot, opened),
+        )
+        group = group_of(loop)
+        shown(0, None)
+        written = rotatum.export_c(
+            group.bank.stage,
+            group.bank.params,
+            output,
+            inputs=records(loop, group, opened),
+            joints=[prepared.joint.name for prepared in group.prepared],
+        )
+    if json:
+        print_json(
+            {
+                "directory": str(written.directory),
+                "files": list(written.files),
+                "samples": written.samples,
+                "joints": list(written.joints),
+            }
+        )
+    else:
+        print(f"{written.directory}: {', '.join(written.files)}")
+        print(f"{written.samples:,} samples of {', '.join(written.joints)} to compare with Python:")
+        print(f"  make -C {written.directory} test")
+    return DONE

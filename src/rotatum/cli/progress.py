@@ -12,7 +12,9 @@ from rotatum.cli.failures import say
 __all__ = ["progress"]
 
 _COMPILING = "compiling kernels (once per machine and method)"
-_PATIENCE = 2.0  # seconds without a sample after which kernels are being compiled: loading is quicker
+_PATIENCE = (
+    2.0  # seconds without a sample after which kernels are being compiled: loading is quicker
+)
 
 
 @contextmanager

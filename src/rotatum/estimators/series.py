@@ -71,11 +71,9 @@ def rows_stage(shape: Shape) -> Stage:
     p, b = shape.columns, shape.terms
     init, step, cites = KERNELS[shape.method, shape.torque]
     name = f"{shape.method}_{shape.torque}_{b}of{p}"
-    filters = Field(kinematic.KinematicState.layout())
     parts_p: dict[str, Layout] = {
         "zero": rows.ZeroParams.layout(),
         "basis": basis.BasisParams.layout(b=b),
-        "kinematic": kinematic.KinematicParams.layout(),
     }
     parts_s: dict[str, Field] = {
         "zero": Field(rows.ZeroState.layout()),
@@ -83,8 +81,11 @@ def rows_stage(shape: Shape) -> Stage:
     }
     if shape.method == "weak":
         parts_p["weak"] = weak.WeakParams.layout(p=p)
-        parts_s |= {"weak": Field(weak.WeakState.layout(p=p)), "kinematic": filters}
+        parts_s["weak"] = Field(weak.WeakState.layout(p=p))
+        parts_s["past"] = Field(basis.BasisState.layout(b=b, m=shape.powers + 1))
     else:
+        filters = Field(kinematic.KinematicState.layout())
+        parts_p["kinematic"] = kinematic.KinematicParams.layout()
         parts_p["residual"] = residual.ResidualParams.layout()
         parts_s |= {"residual": Field(residual.ResidualState.layout())}
         parts_s |= {"link": filters, "motor": filters}

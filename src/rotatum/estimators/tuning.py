@@ -30,6 +30,7 @@ MEMORY = 10.0  # seconds the tests of the model look back
 BIAS = 0.02  # relative error of the stiffness below which no model is called wrong
 MISSING = 8  # samples bridged by straight lines
 TOP_SPEED = 100.0  # rad/s at the joint: faster than any joint, slower than a jump of an encoder
+SLOW = 0.01  # rad/s at which the motor should move by a count in the span of the velocity
 REST = 1e-3  # rad/s below which Coulomb friction has no sign, however good the encoder
 
 
@@ -86,12 +87,16 @@ def prepare(
     _guard(params["guard"][0], joint, settings, period, notes)
     _zero(inner["rows"]["zero"], joint, period, zero, notes)
     _basis(inner["rows"]["basis"], joint, powers, notes)
-    width = _kinematic(inner["rows"]["kinematic"], joint, settings, period, notes)
-    fill = _weak if settings.method == "weak" else _residual
-    fill(inner["rows"][settings.method], joint, settings, period, width, holds)
+    held = holds.get("tau") == "held"
     if settings.method == "weak":
+        _weak(inner["rows"]["weak"], joint, settings, period, held)
+        _friction(inner["rows"]["weak"], joint, settings, period, notes)
         inner["rows"]["weak"]["scale"][:] = [1.0] * terms + list(scales)
         inner["rows"]["weak"]["kind"][:] = [0] * terms + [KINDS[name] for name in settings.fit]
+    else:
+        width = _kinematic(inner["rows"]["kinematic"], joint, settings, period, notes)
+        _residual(inner["rows"]["residual"], joint, settings, period, held)
+        inner["rows"]["residual"]["width"] = width
     _solver(inner, joint, settings, period, powers, scales, notes)
     si = tuple(_range(joint) ** power for power in powers)
     names = tuple("constant" if i == 0 else f"phi^{i}" for i in powers)
@@ -182,20 +187,38 @@ def _resolution(joint: Joint) -> tuple[float, float]:
 def _kinematic(
     record: Any, joint: Joint, settings: Settings, period: float, notes: dict[str, str]
 ) -> float:
+    """Fill the kinematic filter; returns the speed below which friction has no clear sign."""
     bandwidth = min(10.0 * settings.cutoff, 1.0 / period)
     record["period"] = period
     alpha, beta = steady_gains(bandwidth, period)
     record["position_gain"], record["velocity_gain"] = alpha, beta
     resolution = _resolution(joint)[1]
     std = velocity_std(bandwidth, period, resolution)
-    width = max(3.0 * std, REST)
-    if settings.method == "residual" or "coulomb" in settings.fit:
-        notes["velocity"] = (
-            f"steady kinematic Kalman filter, bandwidth {bandwidth:g} rad/s, acceleration variance "
-            f"{bandwidth**4 * resolution**2 / 12.0:.3g} rad^2/s^4, velocity noise {std:.3g} rad/s "
-            f"from a resolution of {resolution:.3g} rad"
-        )
-    return width
+    notes["velocity"] = (
+        f"steady kinematic Kalman filter, bandwidth {bandwidth:g} rad/s, acceleration variance "
+        f"{bandwidth**4 * resolution**2 / 12.0:.3g} rad^2/s^4, velocity noise {std:.3g} rad/s "
+        f"from a resolution of {resolution:.3g} rad"
+    )
+    return max(3.0 * std, REST)
+
+
+def _friction(
+    record: Any, joint: Joint, settings: Settings, period: float, notes: dict[str, str]
+) -> None:
+    """Choose the span of the velocity whose sign Coulomb friction has: 0 without friction."""
+    if "coulomb" not in settings.fit and record["coulomb"] == 0.0:
+        return
+    resolution = _resolution(joint)[1]
+    longest = min(31, int(2.0 / (settings.cutoff * period)))
+    delay = max(1, min(longest, math.ceil(resolution / (2.0 * period * SLOW))))
+    # Two quantised positions, 2 delay apart: std resolution sqrt(2 / 12) over that time.
+    std = resolution / math.sqrt(6.0) / (2.0 * delay * period)
+    record["delay"] = delay
+    record["width"] = max(3.0 * std, REST)
+    notes["friction"] = (
+        f"sign of the velocity across +-{delay} samples, linear below {record['width']:.3g} rad/s; "
+        f"rows lag by {1e3 * delay * period:.3g} ms"
+    )
 
 
 def _motor_constants(record: Any, joint: Joint) -> None:
@@ -212,15 +235,13 @@ def _weak(
     joint: Joint,
     settings: Settings,
     period: float,
-    width: float,
-    holds: Mapping[str, str],
+    held: bool,
 ) -> None:
     record["period"] = period
     record["pole"] = math.exp(-settings.cutoff * period)
     # No transient to wait for (see kernels.weak), only for the low-pass to average noise.
     record["settle"] = 3 + math.ceil(3.0 / (settings.cutoff * period))
-    record["held"] = int(holds.get("tau") == "held")
-    record["width"] = width
+    record["held"] = int(held)
     _motor_constants(record, joint)
 
 
@@ -229,15 +250,13 @@ def _residual(
     joint: Joint,
     settings: Settings,
     period: float,
-    width: float,
-    holds: Mapping[str, str],
+    held: bool,
 ) -> None:
     record["period"] = period
     record["gain"] = settings.cutoff
     # The residual starts from 0: exp(-8) of the first torque is left after 8 time constants.
     record["settle"] = 1 + math.ceil(8.0 / (settings.cutoff * period))
-    record["held"] = int(holds.get("tau") == "held")
-    record["width"] = width
+    record["held"] = int(held)
     offset = len(_powers(joint)) if "offset" in settings.fit else -1
     record["offset"] = offset
     _motor_constants(record, joint)

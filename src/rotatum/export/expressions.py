@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from rotatum.export.instance import Instance
 from rotatum.export.rules import MATH
 from rotatum.export.types import BOOL, FLOAT, INT, Array, Record, Scalar, Type, of_field
-from rotatum.export.violations import OutsideError
+from rotatum.export.violations import OutsideError, called
 
 Call = Callable[[str, Sequence[Type], ast.Call], Instance]
 """Gives the instance of a kernel for argument types."""
@@ -174,7 +174,7 @@ class Expressions:
         if name in self.kernels:
             callee = self.kernel(node, may_write=may_write)
             if callee.returns is None:
-                raise OutsideError(node, f"{name}()", "returns nothing")
+                raise OutsideError(node, called(node), "returns nothing")
             return callee.returns
         self._count(node, 1)
         if name == "len":
@@ -199,7 +199,7 @@ class Expressions:
                 self.instance.written.setdefault(self.instance.root(argument), node)
         if callee.written and not may_write:
             why = "writes to its records, C may read them before or after: use a local"
-            raise OutsideError(node, f"{name}() beside other parts", why)
+            raise OutsideError(node, f"{called(node)} beside other parts", why)
         return callee
 
     def _count(self, node: ast.Call, count: int) -> None:

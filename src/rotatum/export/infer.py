@@ -9,7 +9,7 @@ from rotatum.export.expressions import Expressions, UnknownTypeError
 from rotatum.export.instance import Instance
 from rotatum.export.sources import FlatModule
 from rotatum.export.types import BOOL, FLOAT, INT, Scalar, Type, of_layout
-from rotatum.export.violations import OutsideError, Violation, violation
+from rotatum.export.violations import OutsideError, Violation, called, violation
 from rotatum.runtime.stage import Stage
 
 
@@ -60,12 +60,12 @@ class Inference:
         if key in self._known:
             found = self._known[key]
             if found is None:
-                raise OutsideError(place, f"{name}() calls itself", "write a loop")
+                raise OutsideError(place, f"{called(place)} calls itself", "write a loop")
             return found
         node = self.functions[name]
         parameters = [a.arg for a in node.args.args]
         if len(parameters) != len(arguments):
-            what = f"{name}() with {len(arguments)} arguments"
+            what = f"{called(place)} with {len(arguments)} arguments"
             raise OutsideError(place, what, f"takes {len(parameters)}: {', '.join(parameters)}")
         self._known[key] = None
         instance = Instance(name, node, dict(zip(parameters, arguments, strict=True)))

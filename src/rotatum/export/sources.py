@@ -155,6 +155,7 @@ class _Placer:
             self.place(a, b)
 
     def _callee(self, flat: ast.expr, original: ast.expr) -> None:
+        vars(flat)["kernel_name"] = ast.unparse(original)
         if isinstance(flat, ast.Name) and flat.id in self.functions:
             function = resolve(self.source.function, original)
             if isinstance(function, FunctionType):

@@ -56,6 +56,13 @@ class OutsideError(Exception):
         self.node, self.what, self.why = node, what, why
 
 
+def called(node: ast.AST) -> str:
+    """Return how a call is written, as ``lowpass.smooth()``."""
+    func = node.func if isinstance(node, ast.Call) else node
+    name = func.id if isinstance(func, ast.Name) else "function"
+    return f"{getattr(func, 'kernel_name', name)}()"
+
+
 def violation(file: str, node: ast.AST, what: str, why: str) -> Violation:
     """Return the violation at a node of a tree parsed from ``file``."""
     line, column = getattr(node, "lineno", 1), getattr(node, "col_offset", 0) + 1

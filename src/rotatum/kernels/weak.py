@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rotatum.kernels import basis, kinematic, rows
+from rotatum.kernels import basis, rows
 from rotatum.kernels.lowpass import smooth
 from rotatum.kernels.rows import (
     COULOMB,
@@ -31,6 +31,8 @@ from rotatum.kernels.rows import (
 from rotatum.kernels.status import DISABLED, SETTLING
 from rotatum.record import Record, integer, number, vector
 
+RING = 64
+
 
 class WeakParams(Record):
     """The operator, the motor, and which columns are fitted."""
@@ -38,6 +40,7 @@ class WeakParams(Record):
     period = number("time between samples", unit="s", symbol="T")
     pole = number("pole of the low-pass, exp(-cutoff T)", symbol="a")
     settle = integer("rows after a start until the first one is used")
+    delay = integer("samples a row lags behind, half the span of the velocity; 0: no friction")
     held = integer(
         "1: the torque is a command held until the next sample; 0: measured at the instant"
     )
@@ -50,15 +53,24 @@ class WeakParams(Record):
 
 
 class WeakState(Record):
-    """The last two samples and the low-pass of y and of each column."""
+    """The samples a hat spans, and the low-pass of y and of each column."""
 
     count = integer("samples since (re)start")
+    q = vector(RING, "link positions, the last ones in a ring", unit="rad")
+    theta = vector(RING, "motor positions, the same", unit="rad")
+    torque = vector(RING, "torques, the same", unit="N m")
+    head = integer("where the sample of now is in the ring")
+    length = integer("samples in the ring")
+    q0 = number("q(k), k being `delay` samples ago", unit="rad")
     q1 = number("q(k-1)", unit="rad")
     q2 = number("q(k-2)", unit="rad")
+    theta0 = number("theta(k)", unit="rad")
     theta1 = number("theta(k-1)", unit="rad")
     theta2 = number("theta(k-2)", unit="rad")
+    torque0 = number("torque(k)", unit="N m")
     torque1 = number("torque(k-1)", unit="N m")
     torque2 = number("torque(k-2)", unit="N m")
+    sign0 = number("sgn theta'(k)")
     sign1 = number("sgn theta'(k-1)")
     sign2 = number("sgn theta'(k-2)")
     F1 = vector("p", "basis(k-1)", symbol="F")
@@ -76,26 +88,25 @@ class WeakState(Record):
 
 def motor_init(params: Any, state: Any) -> None:
     """Nothing seen yet."""
-    kinematic.init(params.kinematic, state.kinematic)
+    state.weak.count = 0
 
 
 def motor_step(params: Any, state: Any, u: Any, out: Any) -> None:
     """Row from motor position and torque. ``u`` carries ``fresh``: 1 restarts the filters."""
+    p = params.weak
     w = state.weak
     _deflect(params, state, u, out)
-    if w.count == 0:
-        kinematic.start(params.kinematic, state.kinematic, u.theta)
+    if p.delay == 0:
+        _now(w, u, u.tau)
+        _advance(p, w, state.terms)
     else:
-        kinematic.observe(params.kinematic, state.kinematic, u.theta)
-    sgn = rows.sign(state.kinematic.velocity, params.weak.width)
-    if w.count >= 2:
-        _balance(params.weak, w, u, sgn)
-        _columns(params.weak, w, state.terms, u)
-        _filter(params.weak, w)
-    w.sign2 = w.sign1
-    w.sign1 = sgn
-    _remember(w, state.terms, u.q, u.theta, u.tau)
-    _emit(params.weak, w, u, out)
+        _store(w, u)
+        if w.length > 2 * p.delay:
+            _past(p, w)
+            phi = w.q0 - w.theta0 - state.zero.zero
+            basis.evaluate(params.basis, state.past, phi, 0.0)
+            _advance(p, w, state.past)
+    _emit(p, w, u, out)
 
 
 def sensor_init(params: Any, state: Any) -> None:
@@ -107,40 +118,86 @@ def sensor_step(params: Any, state: Any, u: Any, out: Any) -> None:
     """Row from a torque sensor: the same operator on measured torque and basis."""
     w = state.weak
     _deflect(params, state, u, out)
+    _now(w, u, u.torque)
     if w.count >= 2:
-        w.raw_y = hat(w.torque2, w.torque1, u.torque)
-        _columns(params.weak, w, state.terms, u)
+        w.raw_y = hat(w.torque2, w.torque1, w.torque0)
+        _columns(params.weak, w, state.terms)
         _filter(params.weak, w)
-    _remember(w, state.terms, u.q, u.theta, u.torque)
+    _remember(w, state.terms)
     _emit(params.weak, w, u, out)
 
 
 def _deflect(params: Any, state: Any, u: Any, out: Any) -> None:
-    if u.fresh != 0:
-        state.weak.count = 0
     raw = u.q - u.theta
     known = find_zero(params.zero, state.zero, raw)
-    if known == 0:
+    if u.fresh != 0 or known == 0:
         state.weak.count = 0
+        state.weak.length = 0
     phi = raw - state.zero.zero
     basis.evaluate(params.basis, state.terms, phi, 0.0)
     read_basis(state.terms, out)
     out.phi = phi
 
 
-def _balance(p: Any, w: Any, u: Any, sgn: float) -> None:
+def _now(w: Any, u: Any, torque: float) -> None:
+    w.q0 = u.q
+    w.theta0 = u.theta
+    w.torque0 = torque
+    w.sign0 = 0.0
+
+
+def _store(w: Any, u: Any) -> None:
+    w.head = w.head + 1
+    if w.head >= RING:
+        w.head = 0
+    w.q[w.head] = u.q
+    w.theta[w.head] = u.theta
+    w.torque[w.head] = u.tau
+    if w.length < RING:
+        w.length = w.length + 1
+
+
+def _past(p: Any, w: Any) -> None:
+    """Take the sample ``delay`` ago, with the sign of its velocity from both its sides.
+
+    A velocity filtered causally turns its sign late, and always at the ends of the motion, where
+    the deflection is largest: Coulomb friction would leak into the stiffness. The difference
+    across the sample is on time, and its row is only ``delay`` samples later.
+    """
+    middle = w.head - p.delay
+    if middle < 0:
+        middle = middle + RING
+    first = middle - p.delay
+    if first < 0:
+        first = first + RING
+    w.q0 = w.q[middle]
+    w.theta0 = w.theta[middle]
+    w.torque0 = w.torque[middle]
+    velocity = (w.theta[w.head] - w.theta[first]) / (2.0 * p.delay * p.period)
+    w.sign0 = rows.sign(velocity, p.width)
+
+
+def _advance(p: Any, w: Any, terms: Any) -> None:
+    if w.count >= 2:
+        _balance(p, w)
+        _columns(p, w, terms)
+        _filter(p, w)
+    _remember(w, terms)
+
+
+def _balance(p: Any, w: Any) -> None:
     T = p.period
     if p.held != 0:
         tau = 0.5 * (w.torque2 + w.torque1)
     else:
-        tau = hat(w.torque2, w.torque1, u.tau)
-    w.acceleration = (u.theta - 2.0 * w.theta1 + w.theta2) / (T * T)
-    w.velocity = (u.theta - w.theta2) / (2.0 * T)
-    w.friction = hat(w.sign2, w.sign1, sgn)
+        tau = hat(w.torque2, w.torque1, w.torque0)
+    w.acceleration = (w.theta0 - 2.0 * w.theta1 + w.theta2) / (T * T)
+    w.velocity = (w.theta0 - w.theta2) / (2.0 * T)
+    w.friction = hat(w.sign2, w.sign1, w.sign0)
     w.raw_y = p.inertia * w.acceleration + p.damping * w.velocity + p.coulomb * w.friction - tau
 
 
-def _columns(p: Any, w: Any, terms: Any, u: Any) -> None:
+def _columns(p: Any, w: Any, terms: Any) -> None:
     T = p.period
     for h in range(len(terms.F)):
         w.raw[h] = hat(w.F2[h], w.F1[h], terms.F[h])
@@ -153,9 +210,9 @@ def _columns(p: Any, w: Any, terms: Any, u: Any) -> None:
         elif kind == COULOMB:
             w.raw[h] = -w.friction / p.scale[h]
         elif kind == SKEW:
-            w.raw[h] = (u.q - w.q2) / (2.0 * T * p.scale[h])
+            w.raw[h] = (w.q0 - w.q2) / (2.0 * T * p.scale[h])
         elif kind == TRANSMISSION_DAMPING:
-            w.raw[h] = ((u.q - u.theta) - (w.q2 - w.theta2)) / (2.0 * T * p.scale[h])
+            w.raw[h] = ((w.q0 - w.theta0) - (w.q2 - w.theta2)) / (2.0 * T * p.scale[h])
         else:
             w.raw[h] = 1.0 / p.scale[h]
 
@@ -175,13 +232,15 @@ def _filter(p: Any, w: Any) -> None:
         w.R2[h] = smooth(p.pole, w.R2[h], w.R1[h])
 
 
-def _remember(w: Any, terms: Any, q: float, theta: float, torque: float) -> None:
+def _remember(w: Any, terms: Any) -> None:
     w.q2 = w.q1
-    w.q1 = q
+    w.q1 = w.q0
     w.theta2 = w.theta1
-    w.theta1 = theta
+    w.theta1 = w.theta0
     w.torque2 = w.torque1
-    w.torque1 = torque
+    w.torque1 = w.torque0
+    w.sign2 = w.sign1
+    w.sign1 = w.sign0
     for h in range(len(terms.F)):
         w.F2[h] = w.F1[h]
         w.F1[h] = terms.F[h]

@@ -16,6 +16,7 @@ from rotatum.testing.signals import random_inputs, random_params
 CONTRACT: Mapping[str, Clause] = {
     "is in the exportable subset": form.is_in_subset,
     "is documented": form.is_documented,
+    "names its fields": form.names_its_fields,
     "has SI units": form.has_units,
     "prints itself": form.prints_itself,
     "cites known work": form.cites_known_work,
@@ -24,6 +25,7 @@ CONTRACT: Mapping[str, Clause] = {
     "online = batch": equality.online_is_batch,
     "n joints = n times one": equality.joints_are_apart,
     "snapshot restores": equality.snapshot_restores,
+    "output is written in full": equality.output_is_whole,
     "inputs and params stay": equality.inputs_stay,
     "recovers from bad samples": faults.recovers,
     "status says why": faults.status_says_why,

@@ -74,6 +74,16 @@ def snapshot_restores(case: Case) -> Iterator[str]:
         yield from differences(first, other.run(inputs[half:]), case.stage.output, labels)
 
 
+def output_is_whole(case: Case) -> Iterator[str]:
+    """Every field of the output is written at every sample, whatever the record held before."""
+    inputs = rough(case, case.inputs[:_CHUNKED])
+    fresh, _ = case.run(inputs)
+    used = np.full_like(fresh.view(np.uint8), 0x41).view(fresh.dtype).reshape(fresh.shape)
+    case.bank().run(inputs, used)
+    labels = ("written to zeros", "written to a used record")
+    yield from differences(fresh, used, case.stage.output, labels)
+
+
 def inputs_stay(case: Case) -> Iterator[str]:
     """Inputs and params are left as they were."""
     inputs = case.inputs[:_CHUNKED].copy()

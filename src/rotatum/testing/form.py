@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+import numpy as np
+
 from rotatum.export.subset import in_stage
 from rotatum.record import Layout
 from rotatum.testing.case import Case
@@ -31,6 +33,17 @@ def is_documented(case: Case) -> Iterator[str]:
         for name, f in leaves(layout):
             if not f.doc.strip():
                 yield f"{layout.name}.{name} has no documentation"
+
+
+def names_its_fields(case: Case) -> Iterator[str]:
+    """Field names are identifiers that a numpy record does not already use (``sum``, ``size``)."""
+    for layout in _records(case):
+        for name, _ in leaves(layout):
+            for part in name.split("."):
+                if hasattr(np.record, part):
+                    yield f"{layout.name}.{name}: interpreted, .{part} is numpy's own attribute"
+                elif not (part.isidentifier() and part.isascii()):
+                    yield f"{layout.name}.{name}: no identifier in C"
 
 
 def has_units(case: Case) -> Iterator[str]:

@@ -64,6 +64,12 @@ def judge(case: Case, clause: str, check: Clause) -> Verdict:
     except SkippedError as why:
         return Verdict(clause, "skipped", (str(why),))
     except Exception as error:  # whatever a stage under test may raise
-        first = str(error).strip().partition("\n\n")[0]
-        return Verdict(clause, "failed", (f"raised {type(error).__name__}: {first}",))
+        return Verdict(clause, "failed", (f"raised {_story(error)}",))
     return Verdict(clause, "failed" if details else "passed", details)
+
+
+def _story(error: BaseException) -> str:
+    """Return an exception with what caused it."""
+    first = str(error).strip().partition("\n\n")[0]
+    cause = f" (from {_story(error.__cause__)})" if error.__cause__ is not None else ""
+    return f"{type(error).__name__}: {first}{cause}"

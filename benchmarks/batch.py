@@ -1,0 +1,119 @@
+"""``Bank.run`` and exported C against C written by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks import native, scenario
+from benchmarks.hand_config import hand_version
+from benchmarks.native import NATIVE_FLAGS, SAME_FLAGS, Native
+from benchmarks.table import Figure
+from benchmarks.timing import Runner, Worst, interleaved, ratio, say, worst_case
+from rotatum.record import Records
+from rotatum.runtime import Bank
+
+TOLERANCE = 1e-9  # relative: rounding of reciprocals and contractions, over 50,000 rows
+SLICE = slice(10_000, 12_500)  # 1 s of the log: short runs, so that interruptions hit few of them
+
+
+class Disagreement(Exception):
+    """The hand-written C does not compute what the bank does: ratios would mean nothing."""
+
+
+def figures(directory: Path, repetitions: int) -> list[Figure]:
+    """Measure; raise ``Disagreement`` first if results differ."""
+    case = scenario.case()
+    say("compiling the bank and the C versions ...")
+    versions = _versions(directory)
+    bank = Bank(case.stage, case.params)
+    expected = bank.run(case.inputs)
+    for name, version in versions.items():
+        _check(name, version, case.inputs, expected)
+    say("timing Bank.run and C ...")
+    seconds = interleaved(_runners(bank, versions, case.inputs), repetitions)
+    per_sample = {
+        name: 1e9 * float(np.median(times)) / (SLICE.stop - SLICE.start)
+        for name, times in seconds.items()
+    }
+
+    def figure(what: str, top: str, bottom: str, target: float) -> Figure:
+        note = f"{per_sample[top]:.0f} / {per_sample[bottom]:.0f} ns a sample"
+        return Figure(what, ratio(seconds, top, bottom), "x", target, note=note)
+
+    found = [
+        figure("Bank.run / C by hand, native", "bank", "hand native", 1.5),
+        figure("exported C / C by hand, same flags", "exported same", "hand same", 1.2),
+        figure("exported C / C by hand, native", "exported same", "hand native", 1.5),
+        figure("exported C native / C by hand native", "exported native", "hand native", 1.5),
+    ]
+    say("timing every sample ...")
+    return found + _worst(versions, case.inputs)
+
+
+def _versions(directory: Path) -> dict[str, Native]:
+    case = scenario.case()
+    hand, exported = native.hand_code(), native.exported_code(case.stage, directory)
+    flags = {"same": SAME_FLAGS, "native": NATIVE_FLAGS}
+    found = {f"hand {k}": hand_version(hand, f, directory, case.params) for k, f in flags.items()}
+    constants = case.params.view(np.uint8)
+    return found | {
+        f"exported {k}": Native(exported, f, directory, constants) for k, f in flags.items()
+    }
+
+
+def _check(name: str, version: Native, inputs: Records, expected: Records) -> None:
+    """Compare the last sample's numbers, and every sample's verdict and status."""
+    out = np.zeros(expected.shape, expected.dtype)
+    version.start()
+    version.run(inputs[:, 0].copy(), out[:, 0])
+    for field in ("stiffness", "stiffness_std", "torque", "torque_std", "coefficients"):
+        a, b = out[-1, 0][field], expected[-1, 0][field]
+        worst = float(np.max(np.abs(a - b) / np.abs(b)))
+        if not worst <= TOLERANCE:
+            raise Disagreement(f"{field} of {name} C differs from the bank's by {worst:.2g} of it")
+    for field in ("verdict", "status", "rows"):
+        count = int(np.count_nonzero(out[field] != expected[field]))
+        if count:
+            raise Disagreement(f"{field} of {name} C differs from the bank's at {count} samples")
+
+
+def _runners(bank: Bank, versions: dict[str, Native], inputs: Records) -> dict[str, Runner]:
+    u = np.ascontiguousarray(inputs[SLICE])
+    out = bank.stage.output.zeros(*u.shape)
+    runners = {"bank": Runner(bank.reset, lambda: _discard(bank.run(u, out)))}
+    for name, version in versions.items():
+        runners[name] = Runner(version.start, _run(version, u.reshape(-1), out.reshape(-1)))
+    return runners
+
+
+def _discard(out: Any) -> None:
+    """Make a task of a function that returns something."""
+
+
+def _run(version: Native, u: Records, out: Records) -> Callable[[], None]:
+    return lambda: version.run(u, out)
+
+
+def _worst(versions: dict[str, Native], inputs: Records) -> list[Figure]:
+    u = inputs[:, 0].copy()
+    out = np.zeros(len(u), scenario.case().stage.output.dtype)
+
+    def times(version: Native) -> Worst:
+        def once() -> NDArray[np.int64]:
+            nanoseconds = np.zeros(len(u), np.int64)
+            version.start()
+            version.run_timed(u, out, nanoseconds)
+            return nanoseconds
+
+        return worst_case(once, 10)
+
+    found = {name: times(version) for name, version in versions.items() if "native" not in name}
+    return [
+        Figure(f"worst sample of {name.split()[0]} C", worst.worst, "ns", note=str(worst))
+        for name, worst in found.items()
+    ]

@@ -1,0 +1,151 @@
+"""One joint's result as plots need it: in order of time, gaps as NaN, units in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotatum.evaluation import Estimate, JointEstimate
+from rotatum.kernels.status import PRIOR, SETTLING
+from rotatum.models import Joint, find_unit
+
+__all__ = ["View", "torque_unit", "view"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class View:
+    """A joint's result ready to be drawn.
+
+    Parameters
+    ----------
+    estimate : of the joint.
+    joint : as the device describes it.
+    unit : of torques, "N m", or "A" where the torque is a current.
+    order : (K,) indices of the kept samples whose time is finite and increases.
+    """
+
+    estimate: JointEstimate
+    joint: Joint
+    unit: str
+    order: NDArray[np.int64]
+
+    @property
+    def stiffness_unit(self) -> str:
+        """Unit of the stiffness."""
+        return f"{self.unit}/rad"
+
+    @cached_property
+    def time(self) -> Array:
+        """Time of each sample after the first [s]."""
+        time = np.asarray(self.estimate.records["time"][self.order], np.float64)
+        return time - time[:1].sum()  # the sum of one number, and 0 of none
+
+    @cached_property
+    def status(self) -> NDArray[np.int64]:
+        """Status bits of each sample."""
+        return np.asarray(self.estimate.records["status"][self.order])
+
+    @cached_property
+    def known(self) -> NDArray[np.bool_]:
+        """Whether the data, and not the prior, say something about the stiffness."""
+        return (self.status & PRIOR) == 0
+
+    @cached_property
+    def scales(self) -> Array:
+        """What a record's coefficients are divided by to be in SI at the joint, (p,)."""
+        found = self.estimate
+        # The last kept record is the last sample, or within a 100,000th of the log's length of it.
+        recorded = np.asarray(found.records["coefficients_std"][-1], np.float64)
+        known = (recorded > 0.0) & (found.coefficients_std > 0.0)
+        return np.divide(recorded, found.coefficients_std, out=np.ones(len(known)), where=known)
+
+    def field(self, name: str) -> Array:
+        """Return a field of the readings at each sample.
+
+        Parameters
+        ----------
+        name : of a scalar field of ``Reading``.
+        """
+        return np.asarray(self.estimate.records[name][self.order], np.float64)
+
+    def learned(self, name: str) -> Array:
+        """Return a field; NaN while it rests on the prior.
+
+        Parameters
+        ----------
+        name : of a scalar field of ``Reading``.
+        """
+        return np.where(self.known, self.field(name), np.nan)
+
+    def row(self, name: str) -> Array:
+        """Return a field of the rows; NaN while there was none.
+
+        Parameters
+        ----------
+        name : "row_torque" or "row_fit".
+        """
+        return np.where(self.status & SETTLING, np.nan, self.field(name))
+
+    def truth(self, name: str) -> Array | None:
+        """Return the log's truth at each sample, None where it does not know.
+
+        Parameters
+        ----------
+        name : "stiffness" or "torque".
+        """
+        values = self.estimate.truth_records.get(name)
+        return None if values is None else np.asarray(values)[self.order]
+
+    @cached_property
+    def measured_torque(self) -> Array | None:
+        """Measured elastic torque at each sample, None where there is no sensor."""
+        values = self.estimate.measured_torque
+        return values[self.order] if len(values) else None
+
+    @cached_property
+    def half(self) -> Array:
+        """Half of the 95 % interval of the stiffness; NaN while it rests on the prior."""
+        return 1.96 * self.learned("stiffness_std")
+
+    @cached_property
+    def relative(self) -> Array:
+        """Half of the interval over the stiffness, in per cent."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(100.0 * self.half / np.abs(self.learned("stiffness")))
+
+
+def view(estimate: Estimate, joint: str) -> View:
+    """Return the view of one joint.
+
+    Parameters
+    ----------
+    estimate : of the device.
+    joint : its name.
+    """
+    found = estimate.joints[joint]
+    described = next(j for j in estimate.device.joints if j.name == joint)
+    time = found.records["time"]
+    finite = np.flatnonzero(np.isfinite(time))
+    latest = np.maximum.accumulate(time[finite])
+    later = np.concatenate([[True], np.diff(latest) > 0.0])
+    unit = torque_unit(described, estimate.torque)
+    return View(found, described, unit, finite[later[: len(finite)]])
+
+
+def torque_unit(joint: Joint, torque: str) -> str:
+    """Return the unit torques come out in: "A" where the channel is a current, else "N m".
+
+    Parameters
+    ----------
+    joint : as the device describes it.
+    torque : source of the torque, "estimated" or "sensor".
+    """
+    channel = joint.channels.get("torque_measured" if torque == "sensor" else "tau")
+    if channel is None or channel.unit is None:
+        return "N m"
+    return "A" if find_unit(channel.unit, "torque").name in ("A", "mA") else "N m"

@@ -1,0 +1,203 @@
+"""Slow, obvious twins of the kernels, by definition and not by optimisation.
+
+Nothing here imports the package: where a kernel and its twin agree, they agree for two reasons.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def lowpass(pole: float, x: Array, start: float) -> Array:
+    """``y(k) = a y(k-1) + (1 - a) x(k)`` from ``y(-1) = start``."""
+    y, before = np.empty_like(x), start
+    for k, value in enumerate(x):
+        before = pole * before + (1.0 - pole) * value
+        y[k] = before
+    return y
+
+
+def hat_average(polynomial: np.polynomial.Polynomial, t: float, period: float) -> float:
+    """``int (1 - |u|/T)/T x(t + u) du`` over ``|u| < T``, exactly, of a polynomial."""
+    x = np.polynomial.Polynomial([1.0])
+    left = np.polynomial.Polynomial([1.0 - t / period, 1.0 / period])
+    right = np.polynomial.Polynomial([1.0 + t / period, -1.0 / period])
+    rising, falling = (polynomial * left * x).integ(), (polynomial * right * x).integ()
+    area = rising(t) - rising(t - period) + falling(t + period) - falling(t)
+    return float(area / period)
+
+
+def weak_rows(
+    columns: Array,
+    theta: Array,
+    tau: Array,
+    *,
+    period: float,
+    cutoff: float,
+    inertia: float,
+    damping: float = 0.0,
+    held: bool = False,
+) -> tuple[Array, Array]:
+    """Rows of the weak form from the third sample on: ``y (N-2,)`` and ``R (N-2, p)``.
+
+    ``columns`` is ``(N, p)``: what is tested with the hat as it stands.
+    """
+    pole, T = math.exp(-cutoff * period), period
+
+    def hat(x: Array) -> Array:
+        return (x[2:] + 10.0 * x[1:-1] + x[:-2]) / 12.0
+
+    def twice(x: Array) -> Array:
+        return lowpass(pole, lowpass(pole, x, x[0]), x[0])
+
+    torque = 0.5 * (tau[1:-1] + tau[:-2]) if held else hat(tau)
+    raw = inertia * (theta[2:] - 2.0 * theta[1:-1] + theta[:-2]) / T**2
+    raw = raw + damping * (theta[2:] - theta[:-2]) / (2.0 * T) - torque
+    regressors = np.stack([twice(hat(c)) for c in columns.T], axis=1)
+    return twice(raw), regressors
+
+
+def residual(
+    theta: Array, velocity: Array, tau: Array, *, period: float, K: float, B: float, D: float
+) -> Array:
+    """flacco2012 eq. 17 word for word, growing integral and all; ``rbar(-1) = rbar(0)``."""
+    T, r, integral = period, 0.0, 0.0
+    out = np.zeros_like(theta)
+    before = K * (B * velocity[0] + D * theta[0])
+    for k in range(1, len(theta)):
+        integral += 0.5 * (tau[k] + tau[k - 1]) * T
+        rbar = K * (B * velocity[k] + D * theta[k] - integral)
+        r = (2.0 - T * K) / (2.0 + T * K) * r + 2.0 * (rbar - before) / (2.0 + T * K)
+        before, out[k] = rbar, r
+    return out
+
+
+def residual_as_printed(
+    theta: Array, velocity: Array, tau: Array, *, period: float, K: float, B: float, D: float
+) -> Array:
+    """flacco2012 eq. 15, Euler at a hundredth of the period, from the printed start.
+
+    At t = 0 the equation reads ``r = K (p(0) + D theta(0))``.
+    """
+    fine = 100
+    t = np.arange(len(theta), dtype=np.float64)
+    s = np.arange((len(theta) - 1) * fine + 1) / fine
+    p = B * np.interp(s, t, velocity)
+    angle, torque = np.interp(s, t, theta), np.interp(s, t, tau)
+    total, r = 0.0, np.empty_like(s)
+    for k in range(len(s)):
+        r[k] = K * (p[k] + D * angle[k] - total)
+        total += (torque[k] + r[k]) * period / fine
+    return r[::fine].copy()
+
+
+def measurement_variance(
+    speed: float, *, largest: float, smallest: float, steepness: float, count_speed: float
+) -> float:
+    """flacco2012 eq. 20, corrected: counts moved per sample are ``speed / count_speed``."""
+    steep = (abs(speed) / count_speed - 1.0) * steepness
+    return (largest - smallest) / (1.0 + math.exp(min(steep, 500.0))) + smallest
+
+
+def measurement_variance_as_printed(
+    speed: float, *, largest: float, smallest: float, steepness: float, resolution: float, period: float
+) -> float:
+    """flacco2012 eq. 20 with the printed product, ``w_s`` being the resolution over the period."""
+    steep = (abs(speed) * (resolution / period) - 1.0) * steepness
+    return (largest - smallest) / (1.0 + math.exp(min(steep, 500.0))) + smallest
+
+
+def rls_as_printed(R: Array, y: Array, P0: Array, alpha0: Array, c: float | None = None) -> Array:
+    """flacco2012 eqs 23, 39 and 41, outer products and all; ``(N, p)`` estimates.
+
+    Without ``c`` it is eq. 23 alone.
+    """
+    P, alpha = P0.copy(), alpha0.copy()
+    found = np.empty((len(y), len(alpha0)))
+    for k in range(len(y)):
+        F = R[k]
+        rho = F @ P @ F
+        gain = P @ F / (1.0 + rho)
+        a = 1.0 if c is None else (c + c * rho) / (1.0 + c * rho)
+        alpha = alpha + a * gain * (y[k] - F @ alpha)
+        P = P - a * np.outer(gain, F @ P)
+        found[k] = alpha
+    return found
+
+
+def covariance_as_printed(R: Array, P0: Array) -> Array:
+    """``P(N)`` of flacco2012 eq. 23 with the outer product as printed."""
+    P = P0.copy()
+    for F in R:
+        P = P - np.outer(P @ F / (1.0 + F @ P @ F), F @ P)
+    return P
+
+
+def ridge(
+    R: Array,
+    y: Array,
+    *,
+    spread: Array,
+    centre: Array,
+    variance: float = 1.0,
+    weights: Array | None = None,
+) -> tuple[Array, Array]:
+    """Batch least squares with a prior: estimate and covariance."""
+    w = np.ones(len(y)) if weights is None else weights
+    information = np.diag(1.0 / spread) + (R * w[:, None]).T @ R / variance
+    right = centre / spread + R.T @ (w * y) / variance
+    return np.linalg.solve(information, right), np.linalg.inv(information)
+
+
+def forgetful_information(
+    R: Array, y: Array, *, spread: Array, centre: Array, variance: float, forgetting: float
+) -> tuple[Array, Array]:
+    """Recursive least squares in information form, where every step is a sum.
+
+    After each row everything fades by ``forgetting``; then one column in turn gets back the share
+    of its prior that p steps of fading took. Returns estimate and covariance at the end.
+    """
+    p = len(spread)
+    information, right = np.diag(1.0 / spread), centre / spread
+    for k in range(len(y)):
+        information = forgetting * (information + np.outer(R[k], R[k]) / variance)
+        right = forgetting * (right + R[k] * y[k] / variance)
+        j = k % p
+        share = p * (1.0 - forgetting) / spread[j]
+        information[j, j] += share
+        right[j] += share * centre[j]
+    return np.linalg.solve(information, right), np.linalg.inv(information)
+
+
+def block_squares(terms: Array, length: int, fade: float) -> tuple[Array, float]:
+    """Faded sum over complete blocks of ``length`` of the outer product of a block's sum."""
+    total, count = np.zeros((terms.shape[1], terms.shape[1])), 0.0
+    for first in range(0, len(terms) - length + 1, length):
+        part = terms[first : first + length].sum(axis=0)
+        total = fade * total + np.outer(part, part)
+        count = fade * count + 1.0
+    return total, count
+
+
+def newey_west(scores: Array, lags: int) -> Array:
+    """Long-run covariance of the sum of scores, Bartlett weights."""
+    total = scores.T @ scores
+    for lag in range(1, lags + 1):
+        cross = scores[lag:].T @ scores[:-lag]
+        total = total + (1.0 - lag / (lags + 1.0)) * (cross + cross.T)
+    return total
+
+
+def autoregressive(rng: np.random.Generator, size: int, a: float) -> Array:
+    """AR(1) noise of unit innovations, from its stationary distribution."""
+    e = rng.standard_normal(size)
+    x = np.empty(size)
+    x[0] = e[0] / math.sqrt(1.0 - a * a)
+    for k in range(1, size):
+        x[k] = a * x[k - 1] + e[k]
+    return x
