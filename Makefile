@@ -7,7 +7,7 @@ ARGS   ?=
 DEMO   ?= rotatum-demo
 
 BIN     := $(VENV)/bin
-INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt --editable
 
 .PHONY: help demo test check bench docs clean
 .DELETE_ON_ERROR:

@@ -21,11 +21,11 @@ PEAK = Path(__file__).with_name("peak.py")
 
 
 def _measured(*arguments: str) -> dict[str, float]:
-    """Return seconds, megabytes and exit code of ``rotatum ARGUMENTS``."""
+    """Return what ``benchmarks.peak`` does of ``rotatum ARGUMENTS``."""
     command = [sys.executable, str(PEAK), *PROGRAM, *arguments]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        return {"seconds": 0.0, "megabytes": 0.0, "code": done.returncode}
+        raise RuntimeError(done.stderr)
     found = json.loads(done.stdout)
     if found["code"] != 0:
         say(done.stderr.strip())
@@ -38,7 +38,9 @@ def _figure(what: str, target: float, repetitions: int, *arguments: str) -> Figu
     if codes != {0.0}:
         return Figure(what, None, "s", target, note=f"exit codes {sorted(map(int, codes))}")
     best = min(run["seconds"] for run in runs)
-    return Figure(what, best, "s", target, note=f"best of {repetitions}")
+    cpu = min(run["cpu"] for run in runs)
+    note = f"best of {repetitions}; processor time {cpu:.2f} s"
+    return Figure(what, best, "s", target, note=note)
 
 
 def figures(directory: Path) -> list[Figure]:
@@ -76,7 +78,7 @@ def large_figures(directory: Path) -> list[Figure]:
     if run["code"] != 0:
         note = f"exit code {int(run['code'])}"
         return [Figure(what, None, "s", 60.0, note=note)]
-    note = f"{log.stat().st_size / 1e6:.0f} MB on disk"
+    note = f"processor time {run['cpu']:.0f} s; {log.stat().st_size / 1e6:.0f} MB on disk"
     return [
         Figure(what, run["seconds"], "s", 60.0, note=note),
         Figure(f"{what}, peak memory", run["megabytes"], "MB", 1000.0),

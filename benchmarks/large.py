@@ -18,7 +18,7 @@ Signal = NDArray[np.float64]
 
 
 def pieces() -> Iterator[dict[str, Signal]]:
-    """Yield canonical columns, ``PIECE`` rows at a time; each joint runs through a shifted cycle."""
+    """Yield canonical columns, ``PIECE`` rows at a time; each joint in a shifted cycle."""
     channels = cycle()
     for first in range(0, ROWS, PIECE):
         index = np.arange(first, min(first + PIECE, ROWS))
@@ -42,7 +42,7 @@ def cycle() -> dict[str, Signal]:
     theta = q - _deflection(elastic)
     speed = _derivative(theta, 1)
     tau = motor.inertia.value * _derivative(theta, 2) + motor.damping.value * speed
-    tau = tau + motor.coulomb.value * np.sign(speed) - elastic
+    tau = tau - elastic
     return {"q": _counted(q, encoders.link), "theta": _counted(theta, encoders.motor), "tau": tau}
 
 

@@ -54,7 +54,7 @@ def exported_code(stage: Stage, directory: Path) -> Code:
 
 
 def compiler() -> str | None:
-    """Return the C compiler's path: ``CC``, or the first of cc, gcc and clang; None: there is none."""
+    """Return the path of ``CC``, or of cc, gcc or clang; None: there is no C compiler."""
     wanted = os.environ.get("CC")
     found = (shutil.which(name) for name in ([wanted] if wanted else ["cc", "gcc", "clang"]))
     return next((path for path in found if path), None)
@@ -81,7 +81,7 @@ class Native:
         self.library = ctypes.CDLL(str(library))
         sizes = list((ctypes.c_size_t * 4).in_dll(self.library, "sizes"))
         if params.nbytes != sizes[0]:
-            raise AssertionError(f"{code.source.name}: params are {sizes[0]} B, not {params.nbytes}")
+            raise AssertionError(f"params of {sizes[0]} B in C, of {params.nbytes} B here")
         self.sizes = sizes
         self.params = params
         self.state = np.zeros(sizes[1], np.uint8)
@@ -106,7 +106,7 @@ class Native:
 
     def _check(self, u: Records, out: Records) -> None:
         if [u.itemsize, out.itemsize] != self.sizes[2:] or len(u) != len(out):
-            raise AssertionError(f"records of {u.itemsize} and {out.itemsize} B, C structs of {self.sizes[2:]}")
+            raise AssertionError(f"{u.itemsize}, {out.itemsize} B here, {self.sizes[2:]} B in C")
 
 
 def _pointer(array: NDArray[Any]) -> ctypes.c_void_p:

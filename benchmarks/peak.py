@@ -1,4 +1,4 @@
-"""Run a command; print its seconds, its peak of resident memory and its exit code as JSON.
+"""Run a command; print its seconds, those of processor time, peak of memory, exit code as JSON.
 
 A program of its own, importing next to nothing: on Linux a child's peak counts from its parent's
 size at the time of the fork.
@@ -14,7 +14,7 @@ import time
 
 
 def measure(command: list[str]) -> dict[str, float]:
-    """Return ``seconds``, ``megabytes`` and ``code`` of a command; its output is thrown away."""
+    """Return ``seconds``, ``cpu``, ``megabytes`` and ``code`` of a command; drop its output."""
     begin = time.perf_counter()
     child = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     _, status, usage = os.wait4(child.pid, 0)
@@ -22,6 +22,7 @@ def measure(command: list[str]) -> dict[str, float]:
     unit = 1.0 if sys.platform == "darwin" else 1024.0
     return {
         "seconds": time.perf_counter() - begin,
+        "cpu": usage.ru_utime + usage.ru_stime,
         "megabytes": usage.ru_maxrss * unit / 1e6,
         "code": child.returncode,
     }

@@ -28,7 +28,6 @@ actuation = "series"
 {open}motor]
 inertia = 0.25
 damping = 0.3
-coulomb = 0.5
 {open}transmission]
 law = "cubic"
 stiffness = 200.0
@@ -65,7 +64,7 @@ class Case(NamedTuple):
 
 
 def device_text(joints: int = 1, *, hold: str = "held") -> str:
-    """Return a device file with that many equal joints: one named ``arm``, or ``j0``, ``j1``, ..."""
+    """Return a device file with that many equal joints: named ``arm``, or ``j0``, ``j1`` ..."""
     if joints == 1:
         return 'name = "arm"\n' + JOINT.format(open="[", hold=hold)
     body = JOINT.format(open="[joint.", hold=hold)

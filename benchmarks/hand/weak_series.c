@@ -27,8 +27,6 @@ void weak_series_prepare(weak_series_params *p, const weak_series_config *c)
     p->per_range2 = p->per_range * p->per_range;
     p->per_period2 = p->per_period * p->per_period;
     p->per_two_periods = 0.5 * p->per_period;
-    p->per_width = 1.0 / c->width;
-    p->velocity_gain_per_period = c->velocity_gain * p->per_period;
     p->gain = 1.0 - c->pole;
     p->per_forgetting = 1.0 / c->forgetting;
     p->share = c->forgetting < 1.0 ? c->prior / (P * (1.0 - c->forgetting)) : 0.0;
@@ -160,36 +158,15 @@ static void evaluate(const weak_series_params *p, double phi, basis *b)
     b->H[2] = 20.0 * x3 * p->per_range2;
 }
 
-static double friction_sign(const weak_series_params *p, weak_series_state *s, double theta)
-{
-    if (s->count == 0) {
-        s->position = theta;
-        s->velocity = 0.0;
-    } else {
-        double ahead = s->position + p->c.period * s->velocity;
-        double e = theta - ahead;
-        s->position = ahead + p->c.position_gain * e;
-        s->velocity += p->velocity_gain_per_period * e;
-    }
-    if (s->velocity > p->c.width) {
-        return 1.0;
-    }
-    if (s->velocity < -p->c.width) {
-        return -1.0;
-    }
-    return s->velocity * p->per_width;
-}
-
 /* Put the balance, tested with hats, through the low-pass: s->y and s->R. */
 static void filter_row(const weak_series_params *p, weak_series_state *s,
-                       const weak_series_input *u, const basis *b, double sign)
+                       const weak_series_input *u, const basis *b)
 {
     double raw[P];
     double tau = p->c.held ? 0.5 * (s->tau2 + s->tau1) : hat(s->tau2, s->tau1, u->tau);
     double acceleration = (u->theta - 2.0 * s->theta1 + s->theta2) * p->per_period2;
     double velocity = (u->theta - s->theta2) * p->per_two_periods;
-    double y = p->c.inertia * acceleration + p->c.damping * velocity
-             + p->c.coulomb * hat(s->sign2, s->sign1, sign) - tau;
+    double y = p->c.inertia * acceleration + p->c.damping * velocity - tau;
     for (int h = 0; h < TERMS; ++h) {
         raw[h] = hat(s->F2[h], s->F1[h], b->F[h]);
     }
@@ -207,12 +184,8 @@ static void filter_row(const weak_series_params *p, weak_series_state *s,
     }
 }
 
-static void remember(weak_series_state *s, const weak_series_input *u, const basis *b, double sign)
+static void remember(weak_series_state *s, const weak_series_input *u, const basis *b)
 {
-    s->sign2 = s->sign1;
-    s->sign1 = sign;
-    s->q2 = s->q1;
-    s->q1 = u->q;
     s->theta2 = s->theta1;
     s->theta1 = u->theta;
     s->tau2 = s->tau1;
@@ -605,11 +578,10 @@ static void estimate(const weak_series_params *p, weak_series_state *s, const we
         s->count = 0;
     }
     evaluate(p, raw - s->zero, &b);
-    double sign = friction_sign(p, s, u->theta);
     if (s->count >= 2) {
-        filter_row(p, s, u, &b, sign);
+        filter_row(p, s, u, &b);
     }
-    remember(s, u, &b, sign);
+    remember(s, u, &b);
     if (s->count <= 1) {
         start_afresh(s);
     }

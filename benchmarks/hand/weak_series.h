@@ -1,5 +1,6 @@
 /* The estimator of the benchmark, written by hand for one configuration: a series joint, torque
- * from its motor, method `weak`, basis phi, phi^3, phi^5 and a torque offset, UD least squares.
+ * from its motor without Coulomb friction, method `weak`, basis phi, phi^3, phi^5 and a torque
+ * offset, UD least squares.
  * Same algorithm and same results as rotatum's stage for it. */
 
 #ifndef WEAK_SERIES_H
@@ -31,8 +32,7 @@ typedef struct {
     double wrap_q, wrap_theta;                /* rad, 0: not modulo */
     int64_t zero_samples, settle, held;
     double range;                             /* deflection at x = 1 */
-    double position_gain, velocity_gain;      /* of the speed filter */
-    double pole, inertia, damping, coulomb, width;
+    double pole, inertia, damping;
     double forgetting, memory, prior;
     int64_t lag, block;
     double accuracy, encoder_noise, bias;
@@ -43,8 +43,8 @@ typedef struct {
 /* The same with everything that need not be computed at every sample. */
 typedef struct {
     weak_series_config c;
-    double per_period, per_range, per_range2, per_period2, per_two_periods, per_width;
-    double velocity_gain_per_period, gain, per_forgetting, share;
+    double per_period, per_range, per_range2, per_period2, per_two_periods;
+    double gain, per_forgetting, share;
 } weak_series_params;
 
 typedef struct {
@@ -52,13 +52,12 @@ typedef struct {
     double last_time, last_q, last_theta, last_tau;
     int started, fresh, past;
     long accepted, bridged, refused, restarts;
-    /* zero of the deflection, speed filter */
+    /* zero of the deflection */
     double zero, zero_total;
     int64_t zero_count;
-    double position, velocity;
     /* rows */
     int64_t count;
-    double q1, q2, theta1, theta2, tau1, tau2, sign1, sign2;
+    double theta1, theta2, tau1, tau2;
     double F1[TERMS], F2[TERMS];
     double y_first, y, R_first[P], R[P];
     /* least squares: P = U diag(d) U^T */

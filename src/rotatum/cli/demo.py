@@ -46,9 +46,9 @@ def demo(
     else:
         _print(found)
 
-    import rotatum
+    from rotatum.report import write_report
 
-    rotatum.write_report(best, report)
+    write_report(best, report)
     if not json:
         _print_next(log, device, report)
     return DONE if best.informative else NO_ANSWER
@@ -69,13 +69,14 @@ def _simulated(folder: Path) -> tuple[Path, Path, Path]:
 
 
 def _estimate(log: Path, device: Path, method: str) -> Estimate:
-    import rotatum
     from rotatum.cli.progress import progress
+    from rotatum.evaluation import estimate
+    from rotatum.logs import open_log
+    from rotatum.models import load_device
 
-    robot = rotatum.load_device(device)
+    robot = load_device(device)
     with progress(f"estimating with {method}") as shown:
-        opened = rotatum.open_log(log, robot)
-        return rotatum.estimate(opened, robot, method=method, progress=shown)
+        return estimate(open_log(log, robot), robot, method=method, progress=shown)
 
 
 def _print(found: Mapping[str, Estimate]) -> None:

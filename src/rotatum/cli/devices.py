@@ -24,17 +24,17 @@ def devices(
     json: Annotated[bool, typer.Option("--json", help="Print JSON instead.")] = False,
 ) -> int:
     """List the catalogue of devices, or show one with its values and their units."""
-    import rotatum
     from rotatum.cli.printing import print_json
+    from rotatum.models import device_names, load_device
 
     if name is not None:
-        device = rotatum.load_device(name)
+        device = load_device(name)
         if json:
             print_json(_plain(device))
         else:
             _print_one(device)
         return DONE
-    catalogue = [rotatum.load_device(each) for each in rotatum.device_names()]
+    catalogue = [load_device(each) for each in device_names()]
     if json:
         print_json([_plain(device) for device in catalogue])
     else:
@@ -78,8 +78,7 @@ def _print_one(device: Device) -> None:
         for key, value, unit in values(joint):
             table.add_row(key, value, unit)
         console.print(table)
-    console.print(f"# {device.source}")
-    console.print(_text(device))
+    print(f"# {device.source}\n{_text(device)}", end="")
 
 
 def _text(device: Device) -> str:

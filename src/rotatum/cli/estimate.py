@@ -67,12 +67,14 @@ def estimate(
 
     check_places((output, report), inputs=(log, Path(device)))
 
-    import rotatum
+    from rotatum import evaluation
+    from rotatum.logs import open_log
+    from rotatum.models import load_device
 
-    robot = rotatum.load_device(device)
+    robot = load_device(device)
     with progress("estimating") as shown:
-        found = rotatum.estimate(
-            rotatum.open_log(log, robot),
+        found = evaluation.estimate(
+            open_log(log, robot),
             robot,
             method=method,
             side=side,
@@ -95,7 +97,9 @@ def estimate(
 
         print_estimate(stdout(), found)
     if report is not None:
-        rotatum.write_report(found, report)
+        from rotatum.report import write_report
+
+        write_report(found, report)
     return DONE if found.informative else NO_ANSWER
 
 

@@ -66,13 +66,16 @@ def c(
 
     check_folder(output)
 
-    import rotatum
     from rotatum.cli.vector import chosen, group_of, holds_of, period_of, records, zeros_of
+    from rotatum.estimators import Estimator
+    from rotatum.export import export_c
+    from rotatum.logs import open_log
+    from rotatum.models import load_device
 
-    robot = chosen(rotatum.load_device(device), joint)
-    opened = rotatum.open_log(log, robot) if log is not None else None
+    robot = chosen(load_device(device), joint)
+    opened = open_log(log, robot) if log is not None else None
     with progress("exporting") as shown:
-        loop = rotatum.Estimator(
+        loop = Estimator(
             robot,
             period=period_of(robot, period, opened),
             method=method,
@@ -86,7 +89,7 @@ def c(
         )
         group = group_of(loop)
         shown(0, None)
-        written = rotatum.export_c(
+        written = export_c(
             group.bank.stage,
             group.bank.params,
             output,

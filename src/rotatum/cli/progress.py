@@ -6,8 +6,12 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from rotatum.cli.failures import say
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 __all__ = ["progress"]
 
@@ -33,12 +37,16 @@ def progress(what: str) -> Iterator[Callable[[int, int | None], None]]:
 
 
 @contextmanager
-def _bar(console: object, what: str) -> Iterator[Callable[[int, int | None], None]]:
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, SpinnerColumn, TaskProgressColumn, TextColumn
-    from rich.progress import TimeRemainingColumn
+def _bar(console: Console, what: str) -> Iterator[Callable[[int, int | None], None]]:
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        SpinnerColumn,
+        TaskProgressColumn,
+        TextColumn,
+        TimeRemainingColumn,
+    )
 
-    assert isinstance(console, Console)
     columns = (
         SpinnerColumn(),
         TextColumn("{task.description}", markup=False),

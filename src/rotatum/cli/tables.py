@@ -10,8 +10,9 @@ from rotatum.report.words import fitted_unit, lines, measure, number
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
+    from rich.text import Text
 
-__all__ = ["print_estimate", "table_of"]
+__all__ = ["print_estimate", "table_of", "verdict_text"]
 
 _STYLES = {
     "starved": "dim",
@@ -56,7 +57,7 @@ def table_of(*columns: str, title: str | None = None, numbers: tuple[int, ...] =
     return table
 
 
-def verdict_text(verdict: str) -> object:
+def verdict_text(verdict: str) -> Text:
     """Return a verdict in its colour.
 
     Parameters
@@ -74,7 +75,7 @@ def _results(estimate: Estimate) -> Table:
         f"{estimate.torque}; {estimate.samples:,} samples, {estimate.seconds:.4g} s"
     )
     table = table_of(
-        "joint", "stiffness", "+-", "verdict", "first informative", "torque rms", title=title
+        "joint", "stiffness", "interval", "verdict", "first informative", "torque rms", title=title
     )
     for told in lines(estimate):
         verdict = verdict_text(told.verdict)

@@ -166,7 +166,8 @@ def _logged(pieces: list[Log], joint: str, group: Group, source: str) -> dict[st
 def _again(time: Array, period: float) -> Array:
     """Continue a clock by repeating its steps."""
     steps = np.diff(time, append=time[-1] + period)
-    return time[0] + np.concatenate([[0.0], np.cumsum(np.resize(steps, SAMPLES - 1))])
+    shifts = np.concatenate([[0.0], np.cumsum(np.resize(steps, SAMPLES - 1))])
+    return np.asarray(time[0] + shifts)
 
 
 def _made_up(joint: Joint, period: float) -> dict[str, Array]:

@@ -47,11 +47,13 @@ if state.row.fresh != 0:
 if state.row.valid != 0:
     solver_update(params.solver, state.solver, state.row.R, state.row.y)
     evidence_add(params.evidence, state.evidence, state.sums, state.row, state.solver)
-    if evidence_due(params.evidence, state.evidence, state.sums, params.sums, {p}) != 0:
-        evidence_noise_level(params.evidence, state.evidence)
+    if evidence_due(state.evidence, state.sums, params.sums, {p}) != 0:
+        evidence_noise_level(state.evidence)
         readout_read(state.row, state.solver.alpha, out)
         solver_multiply(state.solver, state.row.D, state.evidence.direction)
-        evidence_judge(params.evidence, state.evidence, state.sums, state.row.D, out.stiffness)
+        evidence_judge(
+            params.evidence, state.evidence, state.sums, state.solver.alpha, state.row.D
+        )
         renew(params, state)
         readout_deviations(
             state.evidence, params.evidence, solver_spread(state.solver, state.row.D), 0.0, out
@@ -75,15 +77,16 @@ RENEW = """for i in range({p}):
     state.evidence.unit[i] = 0.0
 state.evidence.unit[state.evidence.turn] = 1.0
 solver_multiply(state.solver, state.evidence.unit, state.evidence.direction)
-evidence_coefficient(params.evidence, state.evidence, state.sums, state.evidence.turn)
+evidence_coefficient(
+    params.evidence, state.evidence, state.sums, state.solver.alpha, state.evidence.turn
+)
 state.evidence.turn = state.evidence.turn + 1
 if state.evidence.turn >= {p}:
     state.evidence.turn = 0
-if state.evidence.anchored == 0 and state.evidence.variance > 0.0:
-    state.evidence.anchored = 1
+level = evidence_anchoring(state.evidence)
+if level > 0.0:
     for i in range({p}):
         if params.evidence.known[i] > 0.0:
-            level = state.evidence.variance * state.evidence.inflation
             solver_anchor(state.solver, i, 0.0, params.evidence.known[i] / level)"""
 
 
@@ -136,7 +139,8 @@ def _kernels(rows_stage: Stage, solver: Solver) -> dict[str, Any]:
     found |= {"rows_init": rows_stage.init, "rows_step": rows_stage.step}
     for name in ("init", "update", "anchor", "spread", "multiply"):
         found[f"solver_{name}"] = getattr(solver, name)
-    for name in ("init", "add", "due", "noise_level", "judge", "coefficient", "verdict_bits"):
+    judging = ("noise_level", "judge", "coefficient", "anchoring", "verdict_bits")
+    for name in ("init", "add", "due", *judging):
         found[f"evidence_{name}"] = getattr(evidence, name)
     for name in ("init", "read", "deviations", "decide"):
         found[f"readout_{name}"] = getattr(readout, name)

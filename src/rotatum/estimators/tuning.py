@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from rotatum.estimators.kinematic_gains import steady_gains, velocity_std
+from rotatum.estimators.gains import noise_gain, steady_gains, velocity_std
 from rotatum.estimators.series import Shape, series_stage
 from rotatum.estimators.settings import MOTOR_COLUMNS, Settings
 from rotatum.estimators.stiffness import LEVELS
@@ -281,8 +281,14 @@ def _solver(
     evidence["terms"] = len(powers)
     evidence["lag"] = min(31, max(1, round(0.25 / (settings.cutoff * period))))
     evidence["accuracy"] = joint.encoders.accuracy or 0.0
-    link, motor = _resolution(joint)
-    evidence["noise"] = (link**2 + motor**2) / 12.0 * _noise_gain(settings, period)
+    noise, base = _column_noise(joint, settings, period, scales)
+    evidence["noise"][:] = [noise["phi"] if i == 1 else 0.0 for i in powers] + [
+        noise[name] for name in settings.fit
+    ]
+    inertia = joint.motors[0].reflected_inertia if joint.motors else None
+    if inertia is not None and settings.torque == "estimated" and "inertia" not in settings.fit:
+        evidence["common"] = inertia.value * noise["inertia"]
+    evidence["base"][len(powers) :] = [base.get(name, 0.0) for name in settings.fit]
     evidence["bias"] = BIAS
     evidence["known"][len(powers) :] = [
         (_known_std(joint, name) * scale) ** 2
@@ -301,12 +307,31 @@ def _solver(
         notes["accuracy"] = f"deflection trusted to {joint.encoders.accuracy:g} rad (device file)"
 
 
-def _noise_gain(settings: Settings, period: float) -> float:
-    """Power gain of the operator on white noise of the deflection: 1 where rows are unfiltered."""
-    if settings.method == "residual":
-        return 1.0
-    a = math.exp(-settings.cutoff * period)
-    return (1.0 - a) * (1.0 + a * a) / (1.0 + a) ** 3
+def _column_noise(
+    joint: Joint, settings: Settings, period: float, scales: tuple[float, ...]
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Variance that quantisation gives each scaled column, and what its coefficient adds to."""
+    link, motor = (step**2 / 12.0 for step in _resolution(joint))
+    pole = math.exp(-settings.cutoff * period) if settings.method == "weak" else 0.0
+    still, speed, bend = (noise_gain(pole, order, period) for order in range(3))
+    scale = dict(zip(settings.fit, scales, strict=True))
+    noise = {
+        "phi": (link + motor) * still / _range(joint) ** 2,
+        "inertia": motor * bend / scale.get("inertia", 1.0) ** 2,
+        "damping": motor * speed / scale.get("damping", 1.0) ** 2,
+        "coulomb": 0.0,
+        "skew": link * speed / scale.get("skew", 1.0) ** 2,
+        "transmission_damping": (link + motor)
+        * speed
+        / scale.get("transmission_damping", 1.0) ** 2,
+        "offset": 0.0,
+    }
+    base = {}
+    if joint.motors and settings.torque == "estimated":
+        inertia = joint.motors[0].reflected_inertia
+        base["inertia"] = (inertia.value if inertia else 0.0) * scale.get("inertia", 1.0)
+        base["damping"] = joint.motors[0].reflected_damping.value * scale.get("damping", 1.0)
+    return noise, base
 
 
 def _known_std(joint: Joint, name: str) -> float:

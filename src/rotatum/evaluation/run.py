@@ -21,8 +21,9 @@ from rotatum.evaluation.table import reading_columns
 from rotatum.kernels.status import VERDICTS
 from rotatum.logs import Log, LogReader, TableWriter
 from rotatum.models import Device
+from rotatum.record import Records
 
-BATCH = 65536  # samples handed to the kernels at once
+BATCH = 65536  # readings made at once
 EXTRA = ("stiffness_true", "torque_true", "torque_measured")
 
 Progress = Callable[[int, int | None], None]
@@ -87,7 +88,7 @@ def estimate(
     )
     _check_channels(log, loop, names)
     expected = log.samples
-    summaries = {j.name: Summary(start, expected) for j in device.joints}
+    summaries = {j.name: Summary(start, len(device.joints)) for j in device.joints}
     seconds = _run(log, loop, names, summaries, output, progress, expected)
     return _collect(log, loop, summaries, seconds)
 
@@ -104,22 +105,19 @@ def _run(
     spent, done = 0.0, 0
     with ExitStack() as stack:
         table = stack.enter_context(TableWriter(output)) if output is not None else None
+        batch = max(1, BATCH // len(loop.prepared))
         for piece in _pieces(log):
-            for first in range(0, piece.samples, BATCH):
-                part = slice(first, min(first + BATCH, piece.samples))
+            for first in range(0, piece.samples, batch):
+                part = slice(first, min(first + batch, piece.samples))
                 columns: dict[str, NDArray[Any]] = {"time": piece.time[part]}
                 for group in loop.groups:
                     u = _fill(group, piece, names, part)
                     begin = clock.perf_counter()
                     out = group.bank.run(u)
                     spent += clock.perf_counter() - begin
-                    for i, prepared in enumerate(group.prepared):
-                        name = prepared.joint.name
-                        roles = piece.joints[names[name]]
-                        extra = {r: roles[r][part] for r in EXTRA if r in roles}
-                        summaries[name].add(out[:, i], extra)
-                        if table is not None:
-                            columns |= reading_columns(name, out[:, i])
+                    _keep(group, out, piece, names, part, summaries)
+                    for i, prepared in enumerate(group.prepared if table else ()):
+                        columns |= reading_columns(prepared.joint.name, out[:, i])
                 if table is not None:
                     table.write(columns)
                 done += part.stop - part.start
@@ -128,7 +126,21 @@ def _run(
     return spent
 
 
-def _fill(group: Group, piece: Log, names: Mapping[str, str], part: slice) -> Any:
+def _keep(
+    group: Group,
+    out: Records,
+    piece: Log,
+    names: Mapping[str, str],
+    part: slice,
+    summaries: Mapping[str, Summary],
+) -> None:
+    for i, prepared in enumerate(group.prepared):
+        roles = piece.joints[names[prepared.joint.name]]
+        extra = {r: roles[r][part] for r in EXTRA if r in roles}
+        summaries[prepared.joint.name].add(out[:, i], extra)
+
+
+def _fill(group: Group, piece: Log, names: Mapping[str, str], part: slice) -> Records:
     u = batch_records(group, part.stop - part.start)
     u["time"] = piece.time[part, None]
     for i, prepared in enumerate(group.prepared):

@@ -9,7 +9,7 @@ from rotatum.evaluation.metrics import TruthScore
 from rotatum.kernels.status import PRIOR, TABLE
 from rotatum.record import Records
 
-KEEP = 200_000  # samples kept per joint; a longer log keeps every k-th
+KEEP = 400_000  # readings kept in all; of a longer log every second, fourth, ... sample
 
 
 class Summary:
@@ -17,12 +17,13 @@ class Summary:
 
     Args:
         start: seconds after the first sample from which samples are scored; None: once converged.
-        expected: samples the log is expected to have, None if not known.
+        joints: how many joints share the room for kept readings.
     """
 
-    def __init__(self, start: float | None, expected: int | None) -> None:
+    def __init__(self, start: float | None, joints: int) -> None:
         self.start = start
-        self.every = max(1, -(-(expected or 0) // KEEP))
+        self.every = 1
+        self._room = KEEP // joints
         self.kept: list[Records] = []
         self.truth_kept: dict[str, list[NDArray[np.float64]]] = {}
         self.seen = 0
@@ -46,6 +47,8 @@ class Summary:
         self.kept.append(out[pick].copy())
         for name, values in extra.items():
             self.truth_kept.setdefault(name, []).append(values[pick].copy())
+        if sum(len(records) for records in self.kept) > self._room:
+            self._thin()
         self.seen += len(out)
         if self.first_time is None:
             finite = out["time"][np.isfinite(out["time"])]
@@ -66,6 +69,12 @@ class Summary:
             truth = extra["stiffness_true"][scored]
             self.score.update(out["stiffness"][scored], out["stiffness_std"][scored], truth)
         self.last = out[-1].copy()
+
+    def _thin(self) -> None:
+        self.every *= 2
+        self.kept = [np.concatenate(self.kept)[::2].copy()]
+        for name, pieces in self.truth_kept.items():
+            self.truth_kept[name] = [np.concatenate(pieces)[::2].copy()]
 
     def stiffness(self) -> dict[str, float]:
         """final, mean, min, max; the last three over scored samples, else over all with data."""

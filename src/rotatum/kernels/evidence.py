@@ -6,17 +6,18 @@ import math
 from typing import Any
 
 from rotatum.kernels import blocks
-from rotatum.kernels.status import CURVATURE, DRIFT, LAG, NEGATIVE, OFFSET
+from rotatum.kernels.status import DRIFT, INERTIA, LAG, NEGATIVE, OFFSET
 from rotatum.record import Record, integer, number, vector
 
 RING = 64
 MEAN = 0
 SHIFT = 1
-BEND = 2
+PULL = 2
 SCALE = 3
 PROBES = 4
 DUE = 8  # blocks of level 0 between evaluations
 STREAK = 3  # evaluations in a row before a probe is believed
+SETTLED = 8  # evaluations before the noise level weighs what the device file says
 CONFIDENT = 2.5  # of a self-normalised sum over >= 8 blocks: one in 700 by chance
 
 
@@ -27,10 +28,14 @@ class EvidenceParams(Record):
     memory = number("weight of a term in the tests relative to the next, they look at recent data")
     terms = integer("columns that belong to the spring, the first ones")
     lag = integer("samples between the residual tested and the torque on either side of it")
+    common = number(
+        "covariance of residual and acceleration that encoder noise gives them", unit="N m rad/s^2"
+    )
     accuracy = number("systematic error of the deflection", unit="rad")
-    noise = number("variance of the deflection's noise as it enters a row", unit="rad^2")
     bias = number("relative error of the stiffness from which a model may be called wrong")
     spread = vector("p", "prior variance", unit="(N m)^2", symbol="P(0)")
+    noise = vector("p", "variance of the encoders' noise in each column")
+    base = vector("p", "what the coefficient adds to, in y already", unit="N m")
     known = vector(
         "p", "variance of what the device file says of a column, 0: nothing", unit="(N m)^2"
     )
@@ -41,11 +46,14 @@ class EvidenceState(Record):
 
     rows = number("rows, faded by forgetting", symbol="n")
     squares = number("sum of squared residuals", unit="(N m)^2")
-    anchored = integer("1: what the device file says has been absorbed")
+    anchored = number(
+        "noise level against which what the device file says is absorbed", unit="(N m)^2"
+    )
     evaluated = integer("evaluations since reset")
     variance = number("variance of a row's noise", unit="(N m)^2", symbol="s^2")
     inflation = number("factor on the read-out's variance for coloured residuals")
     deflection = number("rms deflection that nothing else explains", unit="rad")
+    shift = number("how far the encoders' noise may have moved the stiffness", unit="N m/rad")
     direction = vector("p", "P times the read-out direction")
     unit = vector("p", "scratch: a unit vector")
     std = vector("p", "standard deviation of each coefficient", unit="N m")
@@ -59,7 +67,8 @@ class EvidenceState(Record):
     torque2 = number("sum of their squares", unit="(N m)^2")
     probe = vector(PROBES, "sums of residual times probe")
     probe2 = vector(PROBES, "sums of squared probes")
-    cross = number("sum of bend times torque", unit="(N m)^2")
+    pull = vector(RING, "recent accelerations of the motor", unit="rad/s^2")
+    cross = number("sum of acceleration times torque", unit="N m rad/s^2")
     share = vector(PROBES, "relative error of the stiffness each probe hints at")
     doubt = vector(PROBES, "how sure that is, 2.5 is one in 700 by chance")
     streak = vector(PROBES, "evaluations in a row in which it spoke", kind="int")
@@ -94,6 +103,7 @@ def add(params: Any, state: Any, sums: Any, row: Any, solver: Any) -> None:
         state.length = 0
     state.e[state.head] = e
     state.f[state.head] = f
+    state.pull[state.head] = row.suspect
     if state.length <= 2 * params.lag:
         state.length = state.length + 1
     if state.length > 2 * params.lag:
@@ -116,24 +126,25 @@ def _probe(params: Any, state: Any, sums: Any, p: int, after: float) -> None:
     before = state.f[first]
     m = params.memory
     shift = after - before
-    bend = after - 2.0 * f + before
+    pull = state.pull[middle]
+    moved = e * pull - params.common
     state.weight = m * state.weight + 1.0
     state.torque = m * state.torque + f
     state.torque2 = m * state.torque2 + f * f
-    state.cross = m * state.cross + bend * f
+    state.cross = m * state.cross + pull * f
     state.probe[MEAN] = m * state.probe[MEAN] + e
     state.probe[SHIFT] = m * state.probe[SHIFT] + e * shift
-    state.probe[BEND] = m * state.probe[BEND] + e * bend
+    state.probe[PULL] = m * state.probe[PULL] + moved
     state.probe[SCALE] = m * state.probe[SCALE] + e * f
     state.probe2[SHIFT] = m * state.probe2[SHIFT] + shift * shift
-    state.probe2[BEND] = m * state.probe2[BEND] + bend * bend
+    state.probe2[PULL] = m * state.probe2[PULL] + pull * pull
     sums.part[p + MEAN] = sums.part[p + MEAN] + e
     sums.part[p + SHIFT] = sums.part[p + SHIFT] + e * shift
-    sums.part[p + BEND] = sums.part[p + BEND] + e * bend
+    sums.part[p + PULL] = sums.part[p + PULL] + moved
     sums.part[p + SCALE] = sums.part[p + SCALE] + e * f
 
 
-def due(params: Any, state: Any, sums: Any, block_params: Any, p: int) -> int:
+def due(state: Any, sums: Any, block_params: Any, p: int) -> int:
     """Close a full block; returns 1 when it is time to evaluate."""
     if sums.filled < block_params.base:
         return 0
@@ -144,14 +155,14 @@ def due(params: Any, state: Any, sums: Any, block_params: Any, p: int) -> int:
     return 1
 
 
-def noise_level(params: Any, state: Any) -> None:
+def noise_level(state: Any) -> None:
     """``s^2 = J / (n - p)`` with J the sum of squared residuals."""
     free = state.rows - len(state.std)
     if free > 0.0:
         state.variance = state.squares / free
 
 
-def judge(params: Any, state: Any, sums: Any, D: Any, stiffness: float) -> None:
+def judge(params: Any, state: Any, sums: Any, alpha: Any, D: Any) -> None:
     """Renew inflation and informative deflection for the direction D, ``direction`` being P D.
 
     ``inflation = v^T S v / (s^2 D^T P D)``, v = P D, S the scores' variance over blocks: the
@@ -168,21 +179,50 @@ def judge(params: Any, state: Any, sums: Any, D: Any, stiffness: float) -> None:
         if worst > state.variance * q:
             state.inflation = worst / (state.variance * q)
         state.deflection = math.sqrt(1.0 / (state.rows * q))
-    _tests(params, state, sums, p)
+    state.shift = _shift(params, state, alpha)
+    _tests(state, sums, p)
 
 
-def coefficient(params: Any, state: Any, sums: Any, j: int) -> None:
+def _shift(params: Any, state: Any, alpha: Any) -> float:
+    """Bound of the bias along ``direction`` from noise in the columns themselves.
+
+    Noise of variance v in a column attenuates its coefficient: to first order least squares is
+    off by ``-P n v (base + alpha)``; ``base`` because y carries the same noise times what is known.
+    """
+    total = 0.0
+    for j in range(len(state.direction)):
+        pull = state.rows * params.noise[j] * (params.base[j] + alpha[j])
+        total = total + math.fabs(state.direction[j] * pull)
+    return total
+
+
+def coefficient(params: Any, state: Any, sums: Any, alpha: Any, j: int) -> None:
     """Renew one coefficient's standard deviation, ``direction`` being P's column j."""
     p = len(state.direction)
     own = state.variance * state.direction[j]
     worst = blocks.worst(sums, p, state.direction)
     if worst > own:
         own = worst
-    if own > 0.0:
-        state.std[j] = math.sqrt(own)
+    shift = _shift(params, state, alpha)
+    state.std[j] = math.sqrt(own + shift * shift)
 
 
-def _tests(params: Any, state: Any, sums: Any, p: int) -> None:
+def anchoring(state: Any) -> float:
+    """How much the noise level exceeds the one absorbed so far, 0 while it is not yet settled.
+
+    A fitted quantity with a known standard deviation is a row among others, but its weight is
+    relative to the rows' noise, which only the data tell. Where the level rises later, the
+    difference in weight is absorbed then.
+    """
+    level = state.variance * state.inflation
+    if state.evaluated < SETTLED or level <= 1.01 * state.anchored:
+        return 0.0
+    more = level - state.anchored
+    state.anchored = level
+    return more
+
+
+def _tests(state: Any, sums: Any, p: int) -> None:
     # A torque that hardly varies beside its mean still has the mean to tell gains apart by.
     n = state.weight
     power = state.torque2 - state.torque * state.torque / (n + 1e-300)
@@ -198,8 +238,9 @@ def _tests(params: Any, state: Any, sums: Any, p: int) -> None:
     state.share[MEAN] = _ratio(state.probe[MEAN] * state.probe[MEAN], (n + 1e-300) * power)
     shift2 = state.probe[SHIFT] * state.probe[SHIFT]
     state.share[SHIFT] = _ratio(shift2, state.probe2[SHIFT] * power)
-    bend2 = state.probe2[BEND] - state.cross * state.cross / (state.torque2 + 1e-300)
-    state.share[BEND] = _ratio(state.probe[BEND] * state.probe[BEND], bend2 * power)
+    # What inertia the residual asks for, times what a unit of it would do to the stiffness.
+    pull2 = state.probe2[PULL] - state.cross * state.cross / (state.torque2 + 1e-300)
+    state.share[PULL] = _ratio(math.fabs(state.probe[PULL] * state.cross), pull2 * power)
     state.share[SCALE] = _ratio(math.fabs(state.probe[SCALE]), power)
 
 
@@ -220,7 +261,7 @@ def verdict_bits(params: Any, state: Any, relative: float) -> None:
         limit = relative
     state.wrong = _one(state, MEAN, OFFSET, limit)
     state.wrong = _one(state, SHIFT, LAG, limit)
-    state.wrong = _one(state, BEND, CURVATURE, limit)
+    state.wrong = _one(state, PULL, INERTIA, limit)
     state.wrong = _one(state, SCALE, DRIFT, limit)
 
 

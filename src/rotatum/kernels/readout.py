@@ -95,17 +95,17 @@ def deviations(
 ) -> None:
     """Standard deviations: coloured noise, and what the encoders' errors do to the stiffness.
 
-    ``std^2 = inflation s^2 D^T P D + (sigma a / phi)^2 + (sigma v / phi^2)^2``: a systematic error
-    ``a`` of the deflection may be fully correlated with it, noise of variance ``v`` attenuates
-    the slope; phi is the rms deflection that informs it.
+    ``std^2 = inflation s^2 D^T P D + (sigma a / phi)^2 + shift^2``: a systematic error ``a`` of the
+    deflection may be fully correlated with it, phi being the rms deflection that informs the
+    stiffness; ``shift`` bounds the bias from encoder noise in the columns.
     """
     scale = evidence.inflation * evidence.variance
     relative = 0.0
     if evidence.deflection > 0.0:
         a = evidence_params.accuracy / evidence.deflection
-        b = evidence_params.noise / (evidence.deflection * evidence.deflection)
-        relative = a * a + b * b
-    out.stiffness_std = math.sqrt(scale * sigma_spread + out.stiffness * out.stiffness * relative)
+        relative = a * a
+    wrong = out.stiffness * out.stiffness * relative + evidence.shift * evidence.shift
+    out.stiffness_std = math.sqrt(scale * sigma_spread + wrong)
     out.torque_std = math.sqrt(scale * torque_spread + out.torque * out.torque * relative)
     out.noise = math.sqrt(evidence.variance)
     out.inflation = evidence.inflation

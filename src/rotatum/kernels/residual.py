@@ -31,6 +31,7 @@ class ResidualState(Record):
 
     count = integer("samples since (re)start")
     r = number("residual: elastic torque through a first-order low-pass", unit="N m", symbol="r_e")
+    acceleration = number("the motor's, through the same low-pass", unit="rad/s^2")
     theta = number("motor position before", unit="rad", symbol="theta(k-1)")
     velocity = number("motor velocity before", unit="rad/s", symbol="theta'(k-1)")
     torque = number("motor torque before", unit="N m", symbol="tau(k-1)")
@@ -52,6 +53,7 @@ def momentum(p: Any, s: Any, theta: float, velocity: float, torque: float) -> No
     sgn = rows.sign(velocity, p.width)
     if s.count == 0:
         s.r = 0.0
+        s.acceleration = 0.0
     else:
         if p.held != 0:
             impulse = T * s.torque
@@ -59,6 +61,8 @@ def momentum(p: Any, s: Any, theta: float, velocity: float, torque: float) -> No
             impulse = 0.5 * T * (s.torque + torque)
         change = p.inertia * (velocity - s.velocity) + p.damping * (theta - s.theta) - impulse
         change = K * (change + 0.5 * T * p.coulomb * (sgn + s.sign))
+        jerk = 2.0 * K * (velocity - s.velocity)
+        s.acceleration = ((2.0 - T * K) * s.acceleration + jerk) / (2.0 + T * K)
         s.r = ((2.0 - T * K) * s.r + 2.0 * change) / (2.0 + T * K)
     s.theta = theta
     s.velocity = velocity
@@ -122,6 +126,7 @@ def _deflect(params: Any, state: Any, raw: float, out: Any) -> int:
 
 def _emit(p: Any, s: Any, known: int, y: float, u: Any, out: Any) -> None:
     out.y = y
+    out.suspect = s.acceleration
     for h in range(len(out.R)):
         out.R[h] = out.F[h]
     if p.offset >= 0:

@@ -33,13 +33,13 @@ WIDE = 1024
 PRIOR = 2048
 DEFLECTION = 4096
 LAG = 8192
-CURVATURE = 16384
+INERTIA = 16384
 OFFSET = 32768
 DRIFT = 65536
 NEGATIVE = 131072
 
 REJECTED = NOT_FINITE | REPEATED | BACKWARDS | SATURATED
-WRONG = LAG | CURVATURE | OFFSET | DRIFT | NEGATIVE
+WRONG = LAG | INERTIA | OFFSET | DRIFT | NEGATIVE
 
 TABLE: tuple[Status, ...] = (
     Status("not_finite", NOT_FINITE, "a channel or the time was NaN or infinite: sample skipped"),
@@ -77,10 +77,10 @@ TABLE: tuple[Status, ...] = (
         "cutoff, or use `weak`), a skew between channels, or a damping that is not modelled",
     ),
     Status(
-        "curvature",
-        CURVATURE,
-        "the residual follows the second derivative of the elastic torque: a wrong motor "
-        "inertia, or a cutoff too low for the motion",
+        "inertia",
+        INERTIA,
+        "the residual follows the motor's acceleration: a wrong inertia, or a torque that is "
+        "not what the channel says (torque constant, gear ratio); fit `inertia`",
     ),
     Status(
         "offset",

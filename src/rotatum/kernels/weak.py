@@ -82,6 +82,8 @@ class WeakState(Record):
     raw = vector("p", "columns before the low-pass")
     y1 = number("y after the first pole", unit="N m")
     y2 = number("y after the second pole", unit="N m")
+    a1 = number("acceleration after the first pole", unit="rad/s^2")
+    a2 = number("acceleration after the second pole", unit="rad/s^2")
     R1 = vector("p", "columns after the first pole")
     R2 = vector("p", "columns after the second pole")
 
@@ -222,11 +224,15 @@ def _filter(p: Any, w: Any) -> None:
         # Started at the first raw row, all terms of the balance alike: no transient to wait for.
         w.y1 = w.raw_y
         w.y2 = w.raw_y
+        w.a1 = w.acceleration
+        w.a2 = w.acceleration
         for h in range(len(w.raw)):
             w.R1[h] = w.raw[h]
             w.R2[h] = w.raw[h]
     w.y1 = smooth(p.pole, w.y1, w.raw_y)
     w.y2 = smooth(p.pole, w.y2, w.y1)
+    w.a1 = smooth(p.pole, w.a1, w.acceleration)
+    w.a2 = smooth(p.pole, w.a2, w.a1)
     for h in range(len(w.raw)):
         w.R1[h] = smooth(p.pole, w.R1[h], w.raw[h])
         w.R2[h] = smooth(p.pole, w.R2[h], w.R1[h])
@@ -249,6 +255,7 @@ def _remember(w: Any, terms: Any) -> None:
 
 def _emit(p: Any, w: Any, u: Any, out: Any) -> None:
     out.y = w.y2
+    out.suspect = w.a2
     for h in range(len(w.R2)):
         out.R[h] = w.R2[h]
     out.fresh = 0

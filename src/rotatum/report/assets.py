@@ -38,7 +38,8 @@ th { color: var(--soft); font-weight: 600; } .results td, .fitted td { white-spa
 .events td:nth-child(2) { text-align: right; }
 .warnings { background: var(--warn); border-left: 4px solid var(--warn-edge);
   padding: .2em 1em .4em; border-radius: 4px; margin: 1em 0; }
-.warnings h2 { margin: .4em 0; font-size: 1rem; } .warnings ul { margin: .3em 0; padding-left: 1.2em; }
+.warnings h2 { margin: .4em 0; font-size: 1rem; }
+.warnings ul { margin: .3em 0; padding-left: 1.2em; }
 nav { display: flex; flex-wrap: wrap; gap: 8px; margin: .6em 0; }
 nav a { border: 1px solid var(--edge); border-radius: 16px; padding: .15em .8em;
   background: var(--card); color: inherit; text-decoration: none; }
@@ -66,7 +67,8 @@ SCRIPT = """
     if (linking || !(range || change["xaxis.autorange"])) { return; }
     linking = true;
     const section = from.closest("section");
-    const others = plots.filter((p) => p !== from && p.dataset.time && p.closest("section") === section);
+    const others = plots.filter(
+      (p) => p !== from && p.dataset.time && p.closest("section") === section);
     Promise.all(others.map((p) => Plotly.relayout(p, range
       ? { "xaxis.range": range } : { "xaxis.autorange": true }))).then(() => { linking = false; });
   }

@@ -32,10 +32,10 @@ VERDICT_COLOURS: dict[str, str] = {
 VERDICT_MEANINGS: dict[str, str] = {
     "starved": "the interval is wider than half of the stiffness, or rests on the prior: the joint "
     "was not deflected enough to tell. The number is not an answer.",
-    "converging": "the interval is above 10 % of the stiffness, or has been below for less than 1 s: "
-    "let it run longer, or move more.",
-    "informative": "the interval has been below 10 % for at least 1 s and nothing speaks against the "
-    "model: the number can be used.",
+    "converging": "the interval is above 10 % of the stiffness, or has been below for less than "
+    "1 s: let it run longer, or move more.",
+    "informative": "the interval has been below 10 % for at least 1 s and nothing speaks against "
+    "the model: the number can be used.",
     "inconsistent": "the residuals are not noise: the model or the data are wrong, whatever the "
     "interval says. Wins over the other three.",
 }

@@ -79,7 +79,8 @@ _ALL = (
     Reference(
         "kalata1984",
         "P. R. Kalata",
-        "The tracking index: a generalized parameter for α-β and α-β-γ target trackers",
+        "The tracking index: a generalized parameter for alpha-beta and alpha-beta-gamma target "
+        "trackers",
         "IEEE Transactions on Aerospace and Electronic Systems AES-20(2), 174-182, 1984",
         "steady gains of the kinematic filter in closed form",
     ),

@@ -24,9 +24,10 @@ def header(estimate: Estimate) -> str:
         tag("li", badge(found.verdict) + " " + escape(typeset(answer(estimate, found))))
         for found in estimate.joints.values()
     )
+    device = estimate.device
     facts = (
-        f"Log {estimate.source}: {estimate.samples:,} samples, {estimate.seconds:.4g} s at a period "
-        f"of {estimate.period:.6g} s. Device {estimate.device.name} ({estimate.device.source}). "
+        f"Log {estimate.source}: {estimate.samples:,} samples, {estimate.seconds:.4g} s at a "
+        f"period of {estimate.period:.6g} s. Device {device.name} ({device.source}). "
         f"Method {estimate.method}, {estimate.side} side, torque {estimate.torque}."
     )
     content = (

@@ -35,9 +35,9 @@ def torque_panel(shown: View) -> Panel:
     return Panel(
         "torque",
         "Elastic torque",
-        f"The row's left side y is the elastic torque as the method {shown.estimate.settings['method'].split()[0]} makes it out of "
-        "the samples (through its filter); the fit is what stiffness and fitted quantities say it "
-        "is. What is left over should look like noise; a pattern in it is a model that is wrong.",
+        "The row's left side y is the elastic torque as the method makes it out of the samples, "
+        "through its filter; the fit is what stiffness and fitted quantities say it is. "
+        "What is left over should look like noise; a pattern in it is a model that is wrong.",
         [
             Row(f"elastic torque, {shown.unit}", traces, _range(y, fit), 260),
             Row(f"left over, {shown.unit}", rest, {"range": limits} if limits else {}, 110),

@@ -43,7 +43,7 @@ class View:
     def time(self) -> Array:
         """Time of each sample after the first [s]."""
         time = np.asarray(self.estimate.records["time"][self.order], np.float64)
-        return time - time[:1].sum()  # the sum of one number, and 0 of none
+        return np.asarray(time - time[:1].sum())  # the sum of one number, and 0 of none
 
     @cached_property
     def status(self) -> NDArray[np.int64]:
@@ -53,7 +53,7 @@ class View:
     @cached_property
     def known(self) -> NDArray[np.bool_]:
         """Whether the data, and not the prior, say something about the stiffness."""
-        return (self.status & PRIOR) == 0
+        return np.asarray((self.status & PRIOR) == 0)
 
     @cached_property
     def scales(self) -> Array:

@@ -64,7 +64,7 @@ def answer(estimate: Estimate, found: JointEstimate) -> str:
     """
     told = _line(found, *_units(estimate, found))
     if found.verdict == "informative":
-        since = f", first so sure at {told.since}" if found.converged_at is not None else ""
+        since = f", first informative at {told.since}" if found.converged_at is not None else ""
         return f"{told.joint}: the stiffness is {told.stiffness} ({told.relative}){since}."
     if found.verdict == "converging":
         return (
@@ -108,10 +108,10 @@ def measure(value: float, std: float, unit: str = "") -> str:
         return f"{number(value)}{tail}"
     last = math.floor(math.log10(half)) - 1
     top = math.floor(math.log10(abs(value))) if value else last
-    if -4 <= last <= 0 and top < 6:
+    if -6 <= last <= 0 and top < 6:
         return f"{value:.{-last}f} +- {half:.{-last}f}{tail}"
     power = max(top, last)
-    if -4 <= power < 6 and last > 0:
+    if last > 0 and power < 6:
         return f"{round(value, -last):.0f} +- {round(half, -last):.0f}{tail}"
     digits = max(0, power - last)
     scale = 10.0**power
@@ -126,7 +126,10 @@ def number(value: float | None, digits: int = 4) -> str:
     value : to write.
     digits : that count.
     """
-    return "-" if value is None or not math.isfinite(value) else f"{value:.{digits}g}"
+    if value is None or not math.isfinite(value):
+        return "-"
+    short = f"{value:.{digits}g}"
+    return f"{float(short):.0f}" if "e+0" in short and abs(value) < 1e6 else short
 
 
 def _line(found: JointEstimate, unit: str, stiffness_unit: str) -> Line:
@@ -136,7 +139,7 @@ def _line(found: JointEstimate, unit: str, stiffness_unit: str) -> Line:
     return Line(
         joint=found.name,
         stiffness=measure(final, std, stiffness_unit) if learned else "-",
-        relative=f"{relative:.2g} %" if relative < 1000.0 else "-",
+        relative=f"{number(relative, 2 if relative < 100.0 else 3)} %" if learned else "-",
         verdict=found.verdict,
         since="-" if found.converged_at is None else f"{found.converged_at:.2f} s",
         torque=f"{number(found.torque_rms, 3)} {unit}",

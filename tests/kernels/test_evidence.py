@@ -1,0 +1,160 @@
+"""Noise level, intervals and the sums behind them, against naive numpy on known rows."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy import signal
+
+from rotatum.kernels import blocks
+from rotatum.kernels.evidence import BEND, DUE, MEAN, PROBES, SCALE, SHIFT
+from tests import naive
+from tests.kernels.rowbank import SHORTEST, RowBank
+
+TRUTH = np.array([40.0, 3.0])
+
+
+def rows(seed, n, joints=1, *, slow=0.0):
+    """Regressors of order 1; with ``slow``, as slow as an AR(1) of that pole."""
+    rng = np.random.default_rng(seed)
+    R = rng.standard_normal((n, joints, 2))
+    if slow:
+        R = signal.lfilter([math.sqrt(1.0 - slow**2)], [1.0, -slow], R, axis=0)
+    return rng, R
+
+
+def coloured(rng, shape, a):
+    return signal.lfilter([math.sqrt(1.0 - a * a)], [1.0, -a], rng.standard_normal(shape), axis=0)
+
+
+def evaluated(n):
+    """Rows at the last evaluation."""
+    return n - n % (SHORTEST * DUE)
+
+
+def test_squares_are_the_batch_residuals_and_the_noise_level_theirs():
+    rng, R = rows(60, 1000)
+    y = R @ TRUTH + 0.5 * rng.standard_normal((1000, 1))
+    bank = RowBank()
+    out = bank.run(R, y)
+    alpha, _ = naive.ridge(R[:, 0], y[:, 0], spread=np.full(2, 1e8), centre=np.zeros(2))
+    left = ((y[:, 0] - R[:, 0] @ alpha) ** 2).sum() + (alpha @ alpha) / 1e8
+    state = bank.bank.state["evidence"][0]
+    # The first row's innovation of 40 is squared and divided by 1e8: 1e-9 of it is rounding.
+    assert state["squares"] == pytest.approx(left, rel=1e-8)
+    assert state["rows"] == 1000.0
+    n = evaluated(1000)
+    alpha, _ = naive.ridge(R[:n, 0], y[:n, 0], spread=np.full(2, 1e8), centre=np.zeros(2))
+    level = (((y[:n, 0] - R[:n, 0] @ alpha) ** 2).sum() + (alpha @ alpha) / 1e8) / (n - 2)
+    assert out["noise"][-1, 0] ** 2 == pytest.approx(level, rel=1e-8)
+    assert out["rows"][-1, 0] == 1000
+
+
+@pytest.mark.parametrize("a", [0.0, 0.95])
+def test_std_is_the_sandwich_of_block_sums(a):
+    n = 3072  # evaluated at the very last row
+    rng, R = rows(61, n, slow=a)
+    y = R @ TRUTH + coloured(rng, (n, 1), a)
+    out = RowBank().run(R, y)[:, 0]
+    D = np.array([1.0, 0.0])
+    R, y, alpha = R[:, 0], y[:, 0], out["coefficients"]
+    e = y - (R * alpha).sum(axis=1)
+    scores = e[:, None] * R
+    _, P = naive.ridge(R, y, spread=np.full(2, 1e8), centre=np.zeros(2))
+    v = P @ D
+    level = out["noise"][-1] ** 2
+    largest = level * (D @ P @ D)
+    for k in range(20):
+        square, count = naive.block_squares(scores, SHORTEST * 2**k, 1.0)
+        if count >= blocks.ENOUGH:
+            largest = max(largest, v @ square @ v * blocks.correction(count))
+    # Rounding of the recursion against the batch, 1e8 of prior variance.
+    assert out["stiffness_std"][-1] == pytest.approx(math.sqrt(largest), rel=1e-7)
+    # And an estimate of another kind: Newey-West over 100 lags, itself good to some 20 %.
+    kernel = math.sqrt(v @ naive.newey_west(scores, 100) @ v)
+    assert 0.8 * kernel < out["stiffness_std"][-1] < 1.8 * kernel
+
+
+@pytest.mark.parametrize(("a", "least"), [(0.0, 0.93), (0.9, 0.90), (0.98, 0.85)])
+def test_intervals_cover_the_truth(a, least):
+    joints, n = 300, 4096
+    rng, R = rows(62, n, joints, slow=a)
+    y = R @ TRUTH + coloured(rng, (n, joints), a)
+    out = RowBank(joints).run(R, y)[-1]
+    off = np.abs(out["stiffness"] - TRUTH[0])
+    covered = (off < 1.96 * out["stiffness_std"]).mean()
+    # 300 joints: a coverage of 95 % is known to 1.3 %. The design states 88-93 % for colour.
+    assert covered > least
+    # Not by being wide: for white noise the std is that of least squares within a fifth.
+    plain = 1.96 * out["noise"] / math.sqrt(n)
+    if a == 0.0:
+        assert np.median(1.96 * out["stiffness_std"] / plain) < 1.25
+    else:
+        assert (off < plain).mean() < 0.7  # what a naive interval would have covered
+    # The coefficients' own deviations are the same thing, renewed in turns.
+    other = np.abs(out["coefficients"][:, 1] - TRUTH[1]) < 1.96 * out["coefficients_std"][:, 1]
+    assert other.mean() > least
+
+
+def test_informative_deflection_is_what_no_other_column_explains():
+    rng = np.random.default_rng(63)
+    n = 2048
+    phi = 0.02 * (3.0 + np.sin(0.01 * np.arange(n)) + 0.1 * rng.standard_normal(n))
+    R = np.stack([phi / 0.05, np.ones(n)], axis=1)[:, None, :]
+    y = R @ TRUTH + 0.01 * rng.standard_normal((n, 1))
+    out = RowBank().run(R, y, D=(20.0, 0.0))
+    # The mean of the deflection is the offset's: what is left is its standard deviation.
+    assert out["informative_deflection"][-1, 0] == pytest.approx(phi.std(), rel=1e-6)
+
+
+def test_encoder_errors_widen_the_interval():
+    rng, R = rows(64, 2048)
+    y = R @ TRUTH + 0.01 * rng.standard_normal((2048, 1))
+    plain = RowBank().run(R, y)[-1, 0]
+    a, v = 0.02, 1e-4
+    wide = RowBank(accuracy=a, noise=v).run(R, y)[-1, 0]
+    phi = float(plain["informative_deflection"])
+    added = (a / phi) ** 2 + (v / phi**2) ** 2
+    expected = plain["stiffness_std"] ** 2 + plain["stiffness"] ** 2 * added
+    assert wide["stiffness_std"] ** 2 == pytest.approx(expected, rel=1e-12)
+    assert wide["stiffness_std"] > 2.0 * plain["stiffness_std"]
+
+
+def test_probes_are_sums_over_rows_that_are_adjacent():
+    # 400 rows, then the filters start anew, then 300: no product may reach across the cut.
+    n, cut, lag = 700, 400, 3
+    rng, R = rows(65, n)
+    y = R @ TRUTH + 0.5 * rng.standard_normal((n, 1))
+    bank = RowBank(lag=lag)
+    out = bank.run(R, y, fresh=(cut,))[:, 0]
+    e = y[:, 0] - (R[:, 0] * out["coefficients"]).sum(axis=1)
+    f = R[:, 0, 0] * out["coefficients"][:, 0]
+    probe, probe2 = np.zeros(PROBES), np.zeros(PROBES)
+    for first, last in ((0, cut), (cut + 1, n)):
+        for k in range(first + 2 * lag, last):
+            shift = f[k] - f[k - 2 * lag]
+            bend = f[k] - 2.0 * f[k - lag] + f[k - 2 * lag]
+            pieces = {MEAN: 1.0, SHIFT: shift, BEND: bend, SCALE: f[k - lag]}
+            for i, piece in pieces.items():
+                probe[i] += e[k - lag] * piece
+                probe2[i] += piece**2 if i in (SHIFT, BEND) else 0.0
+    state = bank.bank.state["evidence"][0]
+    # Residuals of the recursion and of its output differ by rounding, relative to y = 100.
+    np.testing.assert_allclose(state["probe"], probe, rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose(state["probe2"], probe2, rtol=1e-9)
+    assert state["weight"] == (cut - 2 * lag) + (n - cut - 1 - 2 * lag)
+
+
+def test_scale_of_the_torque_does_not_matter():
+    rng, R = rows(66, 2048)
+    y = R @ TRUTH + 0.5 * rng.standard_normal((2048, 1))
+    one, other = RowBank(), RowBank()
+    other.bank.params["solver"]["spread"] = other.bank.params["evidence"]["spread"] = 1e8 * 1e6
+    other.bank.reset()
+    small, large = one.run(R, y)[-1, 0], other.run(R, 1e3 * y)[-1, 0]
+    # In units a thousand times smaller, prior and all: rounding is all that may differ.
+    for name in ("stiffness", "stiffness_std", "torque_std", "noise"):
+        assert large[name] == pytest.approx(1e3 * small[name], rel=1e-6)
+    assert large["verdict"] == small["verdict"]

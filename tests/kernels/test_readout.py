@@ -1,0 +1,214 @@
+"""The verdict, as a table: what makes a joint starved, converging, informative or inconsistent."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from rotatum.kernels import evidence, readout
+from rotatum.kernels.status import (
+    CONVERGING,
+    DEFLECTION,
+    INCONSISTENT,
+    INFORMATIVE,
+    LAG,
+    NEGATIVE,
+    OFFSET,
+    PRIOR,
+    STARVED,
+    TABLE,
+    VERDICTS,
+    WIDE,
+)
+from tests.kernels.make import plain, record
+
+T = 0.25  # four samples a second, so that holding for 1 s takes four
+
+
+class Judge:
+    """The verdict on a run of stiffnesses with their deviations."""
+
+    def __init__(self, *, accuracy=0.0):
+        thresholds = {"starved": 0.5, "informative": 0.1, "hold": 1.0, "shrink": 0.01}
+        self.params = plain(record(readout.ReadoutParams, period=T, **thresholds))
+        self.state = plain(record(readout.ReadoutState))
+        self.evidence = SimpleNamespace(evaluated=1, wrong=0, deflection=0.01)
+        self.settings = SimpleNamespace(spread=[1e8], accuracy=accuracy)
+        self.row = SimpleNamespace(D=[2.0], status=0)
+        self.time = 0.0
+
+    def __call__(self, relative, *, stiffness=100.0, spread=1.0):
+        """Verdict and status for half an interval of ``relative`` times the stiffness."""
+        out = SimpleNamespace(stiffness=stiffness, stiffness_std=relative * abs(stiffness) / 1.96)
+        self.time += T
+        readout.decide(
+            self.params,
+            self.state,
+            self.evidence,
+            self.settings,
+            self.row,
+            spread,
+            self.time,
+            out,
+        )
+        self.out = out
+        return out.verdict, out.status
+
+
+@pytest.mark.parametrize(
+    ("relative", "verdict", "status"),
+    [
+        (0.51, STARVED, WIDE),
+        (0.49, CONVERGING, 0),
+        (0.11, CONVERGING, 0),
+        (0.09, CONVERGING, 0),
+        (0.0, CONVERGING, 0),
+    ],
+)
+def test_width_of_the_interval(relative, verdict, status):
+    assert Judge()(relative) == (verdict, status)
+
+
+def test_informative_after_a_second_of_narrow_intervals_and_converged_a_second_later():
+    judge = Judge()
+    verdicts = [judge(0.09)[0] for _ in range(6)]
+    assert verdicts == [CONVERGING] * 3 + [INFORMATIVE] * 3
+    assert judge.out.converged == 0
+    judge(0.09)
+    # Informative since the fourth sample, t = 1 s, for four samples.
+    assert (judge.out.converged, judge.out.converged_at) == (1, 1.0)
+    # One wide interval starts the second anew; converged_at stays what it was.
+    assert judge(0.11)[0] == CONVERGING
+    assert [judge(0.09)[0] for _ in range(4)] == [CONVERGING] * 3 + [INFORMATIVE]
+    for _ in range(8):
+        judge(0.09)
+    assert (judge.out.converged, judge.out.converged_at) == (1, 1.0)
+
+
+def test_an_interruption_begins_the_wait_for_convergence_again():
+    judge = Judge()
+    for relative in (0.09,) * 6 + (0.2,) + (0.09,) * 7:
+        judge(relative)
+    # Informative at samples 4-6, then from sample 11 (t = 2.75 s) on.
+    assert (judge.out.converged, judge.out.converged_at) == (1, 2.75)
+
+
+def test_starved_while_the_prior_is_hardly_narrowed():
+    judge = Judge()
+    # The prior's variance in the direction D = 2 is 4e8; a hundredth of it is the line.
+    assert judge(0.01, spread=4.01e6) == (STARVED, PRIOR)
+    assert judge(0.01, spread=3.99e6) == (CONVERGING, 0)
+    judge.evidence.evaluated = 0  # no noise level yet: nothing is known, however small the spread
+    assert judge(0.01, spread=0.0) == (STARVED, PRIOR)
+
+
+@pytest.mark.parametrize(("accuracy", "bits"), [(0.0025, WIDE), (0.0026, WIDE | DEFLECTION)])
+def test_says_when_the_encoders_are_to_blame(accuracy, bits):
+    # 1.96 accuracy over half of an informative deflection of 0.01 rad.
+    judge = Judge(accuracy=accuracy)
+    assert judge(0.6) == (STARVED, bits)
+
+
+def test_inconsistent_wins_over_everything():
+    judge = Judge()
+    judge.evidence.wrong = LAG | OFFSET
+    assert judge(0.01) == (INCONSISTENT, LAG | OFFSET)
+    assert judge(0.9) == (INCONSISTENT, LAG | OFFSET | WIDE)
+    for _ in range(10):
+        judge(0.01)
+    assert judge.out.converged == 0  # narrow for long, but never informative
+    judge.evidence.wrong = 0
+    assert judge(0.01) == (INFORMATIVE, 0)  # the interval has been narrow all along
+
+
+def test_a_negative_stiffness_is_never_informative():
+    judge = Judge()
+    assert judge(0.01, stiffness=-100.0) == (INCONSISTENT, NEGATIVE)
+    assert judge(0.7, stiffness=-100.0)[0] == STARVED  # not beyond doubt
+    verdicts = {judge(0.05, stiffness=-100.0)[0] for _ in range(10)}
+    assert verdicts == {INCONSISTENT}
+    # While the prior rules, a negative number is no finding.
+    assert judge(0.01, stiffness=-100.0, spread=1e8) == (STARVED, PRIOR)
+
+
+def test_zero_stiffness_with_zero_std_is_not_informative():
+    judge = Judge()
+    assert {judge(0.0, stiffness=0.0)[0] for _ in range(10)} <= {STARVED, CONVERGING}
+
+
+def test_negative_beyond_doubt_is_three_deviations():
+    assert evidence.negative(-3.1, 1.0) == NEGATIVE
+    assert evidence.negative(-2.9, 1.0) == 0
+    assert evidence.negative(1.0, 0.0) == 0
+
+
+def probes(share, doubt, *, streak=0, wrong=0):
+    four = evidence.PROBES
+    return SimpleNamespace(
+        share=[share] * four, doubt=[doubt] * four, streak=[streak] * four, wrong=wrong
+    )
+
+
+ALL = sum(row.bit for row in TABLE if row.name in ("lag", "curvature", "offset", "drift"))
+SETTINGS = SimpleNamespace(bias=0.02)
+
+
+def test_a_probe_must_speak_three_times_in_a_row():
+    state = probes(0.05, 3.0)
+    found = []
+    for share in (0.05, 0.05, 0.01, 0.05, 0.05, 0.05):
+        state.share = [share] * 4
+        evidence.verdict_bits(SETTINGS, state, 0.0)
+        found.append(state.wrong)
+    assert found == [0, 0, 0, 0, 0, ALL]
+
+
+@pytest.mark.parametrize(
+    ("share", "doubt", "relative", "wrong"),
+    [
+        (0.021, 2.6, 0.0, ALL),
+        (0.019, 2.6, 0.0, 0),  # below the tolerated error
+        (0.021, 2.4, 0.0, 0),  # may be chance
+        (0.021, 2.6, 0.03, 0),  # covered by the interval
+        (0.031, 2.6, 0.03, ALL),
+    ],
+)
+def test_a_probe_speaks_beyond_tolerance_interval_and_chance(share, doubt, relative, wrong):
+    state = probes(share, doubt, streak=2)
+    evidence.verdict_bits(SETTINGS, state, relative)
+    assert state.wrong == wrong
+
+
+@pytest.mark.parametrize(
+    ("share", "doubt", "wrong"),
+    [(0.011, 1.6, ALL), (0.009, 9.0, 0), (0.5, 1.4, 0), (0.015, 2.0, ALL)],
+)
+def test_a_probe_falls_silent_at_half(share, doubt, wrong):
+    state = probes(share, doubt, wrong=ALL)
+    evidence.verdict_bits(SETTINGS, state, 0.0)
+    assert state.wrong == wrong
+
+
+def test_every_bit_has_one_name_and_one_place():
+    bits = [row.bit for row in TABLE]
+    assert bits == [1 << k for k in range(len(bits))]
+    assert len({row.name for row in TABLE}) == len(TABLE)
+    assert VERDICTS == ("starved", "converging", "informative", "inconsistent")
+
+
+def test_deviations_are_those_of_the_read_out():
+    state = SimpleNamespace(inflation=2.0, variance=0.25, deflection=0.1, **{STDS: [0.3]})
+    settings = SimpleNamespace(accuracy=0.02, noise=1e-3)
+    out = SimpleNamespace(stiffness=50.0, torque=4.0, coefficients_std=[0.0])
+    readout.deviations(state, settings, 8.0, 0.5, out)
+    relative = 0.2**2 + 0.1**2  # 0.02 / 0.1, and 1e-3 / 0.1^2
+    assert out.stiffness_std == pytest.approx(math.sqrt(2 * 0.25 * 8.0 + 50.0**2 * relative))
+    assert out.torque_std == pytest.approx(math.sqrt(2 * 0.25 * 0.5 + 4.0**2 * relative))
+    assert out.noise == 0.5
+    assert np.array_equal(out.coefficients_std, [0.3])
+
+
+STDS = next(n for n, f in evidence.EvidenceState.fields().items() if f.doc.startswith("standard"))

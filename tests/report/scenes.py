@@ -1,0 +1,80 @@
+"""A small joint with known truth that the tests of report and command line share.
+
+One basis term and an offset: a single stage to compile, whatever is done with it.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from functools import lru_cache
+from pathlib import Path
+
+from rotatum import Device, Estimate, Log, estimate, write_table
+from rotatum.models import device_from_tables
+from rotatum.simulation import Sensors, multisine, simulate_series
+
+STIFFNESS = 200.0  # N m/rad
+SECONDS, PERIOD = 4.0, 1e-3
+
+DEVICE = f"""\
+name = "elbow"
+
+[motor]
+inertia = 4e-5
+damping = 5e-5
+gear_ratio = 80
+
+[transmission]
+law = "linear"
+stiffness = {STIFFNESS}
+
+[link]
+inertia = 0.8
+damping = 1.0
+
+[encoders]
+link = 65536
+motor = 1310720
+
+[basis]
+deflection_range = 0.15
+orders = 1
+
+[estimator]
+method = "weak"
+cutoff = 300.0
+fit = ["offset"]
+
+[channels]
+tau = {{ hold = "held" }}
+"""
+
+
+def small_device(text: str = DEVICE, source: str = "elbow.toml") -> Device:
+    return device_from_tables(tomllib.loads(text), source)
+
+
+@lru_cache(maxsize=1)
+def small_log() -> Log:
+    """Four seconds of shaking, torques a per cent noisy."""
+    return simulate_series(
+        small_device().joints[0],
+        seconds=SECONDS,
+        period=PERIOD,
+        torque=multisine(rms=5.0, low=0.3, high=10.0, count=20, seed=1),
+        sensors=Sensors(noise={"tau": 0.05, "torque_measured": 0.05}),
+        seed=1,
+    )
+
+
+@lru_cache(maxsize=1)
+def small_estimate() -> Estimate:
+    return estimate(small_log(), small_device())
+
+
+def write_scene(folder: Path) -> tuple[Path, Path]:
+    """Write log and device file; return their paths."""
+    log, device = folder / "elbow.csv", folder / "elbow.toml"
+    device.write_text(DEVICE)
+    write_table(log, small_log().columns())
+    return log, device
