@@ -30,8 +30,9 @@ FIELDS: dict[str, str] = {
     "prior": "inner.solver.spread.0",
     "lag": "inner.evidence.lag",
     "block": "inner.sums.base",
+    "common": "inner.evidence.common",
     "accuracy": "inner.evidence.accuracy",
-    "encoder_noise": "inner.evidence.noise",
+    "noise": "inner.evidence.noise.0",
     "bias": "inner.evidence.bias",
     "starved": "inner.readout.starved",
     "informative": "inner.readout.informative",
@@ -51,6 +52,10 @@ FIXED: dict[str, list[float]] = {
     "inner.solver.variance": [1.0],
     "inner.solver.centre": [0.0] * 4,
     "inner.evidence.known": [0.0] * 4,
+    "inner.evidence.base": [0.0] * 4,
+    "inner.evidence.noise.1": [0.0],
+    "inner.evidence.noise.2": [0.0],
+    "inner.evidence.noise.3": [0.0],
     "inner.evidence.terms": [3],
 }
 

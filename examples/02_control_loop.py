@@ -30,8 +30,9 @@ def main() -> None:
         used[k] = out.stiffness[0] if informative else TOLD
         # A controller would go on here, such as with the feed-forward deflection torque / used[k].
         if k % 2000 == 0:
+            half = 1.96 * out.stiffness_std[0]
             print(
-                f"{log.time[k]:5.1f} s  {out.stiffness[0]:7.1f} +- {1.96 * out.stiffness_std[0]:5.1f}"
+                f"{log.time[k]:5.1f} s  {out.stiffness[0]:7.1f} +- {half:5.1f}"
                 f" N m/rad  {out.verdict[0]:12s} using {used[k]:.1f}"
             )
 

@@ -105,7 +105,13 @@ def measurement_variance(
 
 
 def measurement_variance_as_printed(
-    speed: float, *, largest: float, smallest: float, steepness: float, resolution: float, period: float
+    speed: float,
+    *,
+    largest: float,
+    smallest: float,
+    steepness: float,
+    resolution: float,
+    period: float,
 ) -> float:
     """flacco2012 eq. 20 with the printed product, ``w_s`` being the resolution over the period."""
     steep = (abs(speed) * (resolution / period) - 1.0) * steepness

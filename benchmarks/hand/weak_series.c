@@ -6,10 +6,10 @@
 enum {
     NOT_FINITE = 1, REPEATED = 2, BACKWARDS = 4, BRIDGED = 8, GAP = 16, JUMP = 32, SATURATED = 64,
     RESTARTED = 128, SETTLING = 256, DISABLED = 512, WIDE = 1024, PRIOR = 2048, DEFLECTION = 4096,
-    LAG = 8192, CURVATURE = 16384, OFFSET = 32768, DRIFT = 65536, NEGATIVE = 131072
+    LAG = 8192, INERTIA = 16384, OFFSET = 32768, DRIFT = 65536, NEGATIVE = 131072
 };
 enum { STARVED, CONVERGING, INFORMATIVE, INCONSISTENT };
-enum { MEAN, SHIFT, BEND, SCALE };
+enum { MEAN, SHIFT, PULL, SCALE };
 enum { PATIENCE = 10, DUE = 8, STREAK = 3 };
 
 static const double ENOUGH = 8.0, CONFIDENT = 2.5;
@@ -173,11 +173,14 @@ static void filter_row(const weak_series_params *p, weak_series_state *s,
     raw[TERMS] = 1.0;
     if (s->count == 2) {
         s->y_first = s->y = y;
+        s->pull_first = s->pull = acceleration;
         memcpy(s->R_first, raw, sizeof raw);
         memcpy(s->R, raw, sizeof raw);
     }
     s->y_first += p->gain * (y - s->y_first);
     s->y += p->gain * (s->y_first - s->y);
+    s->pull_first += p->gain * (acceleration - s->pull_first);
+    s->pull += p->gain * (s->pull_first - s->pull);
     for (int h = 0; h < P; ++h) {
         s->R_first[h] += p->gain * (raw[h] - s->R_first[h]);
         s->R[h] += p->gain * (s->R_first[h] - s->R[h]);
@@ -285,14 +288,14 @@ static void probe(const weak_series_params *p, weak_series_state *s, double afte
     int middle = (s->head - (int)p->c.lag) & (RING - 1);
     int first = (middle - (int)p->c.lag) & (RING - 1);
     double e = s->e[middle], f = s->f[middle], before = s->f[first];
-    double shift = after - before, bend = after - 2.0 * f + before, m = p->c.memory;
-    double terms[PROBES] = {e, e * shift, e * bend, e * f};
+    double shift = after - before, pull = s->pulls[middle], m = p->c.memory;
+    double terms[PROBES] = {e, e * shift, e * pull - p->c.common, e * f};
     s->weight = m * s->weight + 1.0;
     s->torque = m * s->torque + f;
     s->torque2 = m * s->torque2 + f * f;
-    s->cross = m * s->cross + bend * f;
+    s->cross = m * s->cross + pull * f;
     s->shift2 = m * s->shift2 + shift * shift;
-    s->bend2 = m * s->bend2 + bend * bend;
+    s->pull2 = m * s->pull2 + pull * pull;
     for (int i = 0; i < PROBES; ++i) {
         s->probe[i] = m * s->probe[i] + terms[i];
         s->part[P + i] += terms[i];
@@ -312,6 +315,7 @@ static void add_evidence(const weak_series_params *p, weak_series_state *s)
     }
     s->e[s->head] = e;
     s->f[s->head] = f;
+    s->pulls[s->head] = s->pull;
     if (s->length <= 2 * p->c.lag) {
         s->length++;
     }
@@ -407,35 +411,40 @@ static void test_model(weak_series_state *s)
         }
         s->doubt[i] = largest > 0.0 ? fabs(a[i]) / sqrt(largest) : 0.0;
     }
-    double bend2 = s->bend2 - s->cross * s->cross / (s->torque2 + tiny);
+    double pull2 = s->pull2 - s->cross * s->cross / (s->torque2 + tiny);
     s->share[MEAN] = ratio(a[MEAN] * a[MEAN], (n + tiny) * power);
     s->share[SHIFT] = ratio(a[SHIFT] * a[SHIFT], s->shift2 * power);
-    s->share[BEND] = ratio(a[BEND] * a[BEND], bend2 * power);
+    s->share[PULL] = ratio(fabs(a[PULL] * s->cross), pull2 * power);
     s->share[SCALE] = ratio(fabs(a[SCALE]), power);
 }
 
-static void renew_coefficient(weak_series_state *s)
+/* Bound of the bias along v = P c from the encoders' noise in the first column. */
+static double bias_along(const weak_series_params *p, const weak_series_state *s, const double v[P])
+{
+    return fabs(v[0] * s->weight_rows * p->c.noise * s->alpha[0]);
+}
+
+static void renew_coefficient(const weak_series_params *p, weak_series_state *s)
 {
     double unit[P] = {0}, v[P];
     int j = s->std_turn;
     unit[j] = 1.0;
     multiply(s, unit, v);
     double own = s->variance * v[j], coloured = worst(s, v);
-    own = coloured > own ? coloured : own;
-    if (own > 0.0) {
-        s->std[j] = sqrt(own);
-    }
+    double shift = bias_along(p, s, v);
+    s->std[j] = sqrt((coloured > own ? coloured : own) + shift * shift);
     s->std_turn = (j + 1) % P;
 }
 
-static double deviation(const weak_series_state *s, double spread_, double value)
+static double deviation(const weak_series_state *s, double spread_, double value, double shift)
 {
-    return sqrt(s->inflation * s->variance * spread_ + value * value * s->relative);
+    double noise = s->inflation * s->variance * spread_;
+    return sqrt(noise + value * value * s->relative + shift * shift);
 }
 
 static void set_wrong(const weak_series_params *p, weak_series_state *s, double relative)
 {
-    static const int bits[PROBES] = {OFFSET, LAG, CURVATURE, DRIFT};
+    static const int bits[PROBES] = {OFFSET, LAG, INERTIA, DRIFT};
     double limit = relative > p->c.bias ? relative : p->c.bias;
     for (int i = 0; i < PROBES; ++i) {
         int speaks = s->share[i] > limit && s->doubt[i] > CONFIDENT;
@@ -467,16 +476,16 @@ static void renew(const weak_series_params *p, weak_series_state *s, const basis
         s->inflation = coloured > own ? coloured / own : 1.0;
         s->deflection = sqrt(1.0 / (s->weight_rows * q));
     }
+    s->shift = bias_along(p, s, v);
     test_model(s);
-    renew_coefficient(s);
+    renew_coefficient(p, s);
     s->noise = sqrt(s->variance);
     s->relative = 0.0;
     if (s->deflection > 0.0) {
         double accuracy = p->c.accuracy / s->deflection;
-        double noise = p->c.encoder_noise / (s->deflection * s->deflection);
-        s->relative = accuracy * accuracy + noise * noise;
+        s->relative = accuracy * accuracy;
     }
-    set_wrong(p, s, 1.96 * deviation(s, q, stiffness) / (fabs(stiffness) + 1e-300));
+    set_wrong(p, s, 1.96 * deviation(s, q, stiffness, s->shift) / (fabs(stiffness) + 1e-300));
 }
 
 /* ---- read-out ---- */
@@ -548,8 +557,8 @@ static void read_out(const weak_series_params *p, weak_series_state *s, const ba
     r->stiffness = stiffness;
     r->torque = torque;
     r->dstiffness = slope;
-    r->stiffness_std = deviation(s, sigma_spread, stiffness);
-    r->torque_std = deviation(s, spread(s, b->F), torque);
+    r->stiffness_std = deviation(s, sigma_spread, stiffness, s->shift);
+    r->torque_std = deviation(s, spread(s, b->F), torque, 0.0);
     r->deflection = b->phi;
     r->row_torque = s->y;
     r->row_fit = fit;

@@ -35,7 +35,7 @@ typedef struct {
     double pole, inertia, damping;
     double forgetting, memory, prior;
     int64_t lag, block;
-    double accuracy, encoder_noise, bias;
+    double common, accuracy, noise, bias;     /* noise: variance in the first column */
     double starved, informative, hold, shrink;
     double fade[LEVELS], fade_probe[LEVELS];
 } weak_series_config;
@@ -59,18 +59,19 @@ typedef struct {
     int64_t count;
     double theta1, theta2, tau1, tau2;
     double F1[TERMS], F2[TERMS];
-    double y_first, y, R_first[P], R[P];
+    double y_first, y, pull_first, pull, R_first[P], R[P];
     /* least squares: P = U diag(d) U^T */
     double alpha[P], U[P][P], d[P];
     double innovation, leverage;
     int64_t rows;
     int turn;
     /* noise level and tests of the model */
-    double weight_rows, squares, variance, inflation, deflection, relative, noise, std[P];
+    double weight_rows, squares, variance, inflation, deflection, relative, shift, noise;
+    double std[P];
     int64_t evaluated;
     int std_turn, head, length, wrong, streak[PROBES];
-    double e[RING], f[RING];
-    double weight, torque, torque2, cross, probe[PROBES], shift2, bend2;
+    double e[RING], f[RING], pulls[RING];
+    double weight, torque, torque2, cross, probe[PROBES], shift2, pull2;
     double share[PROBES], doubt[PROBES];
     /* sums over blocks of doubling length */
     double part[P + PROBES], carry[LEVELS][P + PROBES];

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from rotatum import read_log, write_table
 from tests.cli.conftest import Scene
-from tests.cli.runs import run, spawn
+from tests.cli.runs import run
 from tests.report.scenes import STIFFNESS, small_device, small_estimate, small_log
 
 JOINT_KEYS = {
@@ -114,15 +113,3 @@ def test_a_report_that_fails_at_the_end_costs_no_result(scene: Scene) -> None:
     assert done.code == 2
     assert "informative" in done.out
     assert "No space left" in done.err
-
-
-def test_progress_says_what_takes_long(scene: Scene, tmp_path: Path) -> None:
-    """A cache of its own, so that kernels have to be compiled."""
-    code = (
-        f"import os; os.environ['ROTATUM_CACHE_DIR'] = {str(tmp_path / 'cache')!r}\n"
-        "from rotatum.cli import main; main()"
-    )
-    done = spawn("estimate", scene.log, "--device", scene.device, "--json", code=code)
-    assert done.code == 0, done.err
-    assert "compiling kernels" in done.err
-    assert json.loads(done.out)

@@ -52,11 +52,12 @@ def test_other_peoples_files_are_left_alone(scene: Scene) -> None:
 
 
 def test_joints_of_different_kinds_are_told_apart(scene: Scene) -> None:
-    table = DEVICE.replace('name = "elbow"\n', "").replace("[", "[joint.")
-    joints = "".join(f'[[joint]]\nname = "{name}"\n{table}' for name in ("elbow", "wrist"))
-    joints = joints[::-1].replace("1 = sredro", "2 = sredro", 1)[::-1]
-    scene.device.write_text(f'name = "arm"\n{joints}')
-    options = ("-d", scene.device, "--period", 1e-3, "--fit", "offset")
-    done = run("export", "c", *options, "--joint", "shoulder", "-o", scene.folder / "out")
+    table = DEVICE.replace('name = "elbow"\n', "").replace("\n[", "\n[joint.")
+    elbow = f'[[joint]]\nname = "elbow"\n{table}'
+    wrist = elbow.replace("elbow", "wrist").replace('fit = ["offset"]', "fit = []")
+    scene.device.write_text(f'name = "arm"\n{elbow}{wrist}')
+    options = ("export", "c", "-d", scene.device, "--period", 1e-3, "-o", scene.folder / "out")
+    done = run(*options, "--joint", "shoulder")
     assert done.code == 2
     assert "elbow, wrist" in done.err
+    assert run(*options, "--joint", "elbow").code == 0

@@ -2,42 +2,19 @@
 
 from __future__ import annotations
 
-import importlib
-import importlib.util
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from rotatum.record import Records
-from rotatum.runtime.stage import Stage
-from rotatum.testing import check_stage, random_inputs
-from tests.export.stages import LOWPASS
+from rotatum.estimators.registry import Example, example_stages
+from rotatum.testing import check_stage
 
-Example = tuple[Stage, Records, Records]
-
-# Long enough for a covariance to wind up many times over at the forgetting factors of the
-# examples; the full 10^7 of the contract is run on the first of them.
+# Long enough for a covariance to wind up many times over; the low-pass has the full 10^7.
 ENDURANCE = 300_000
+SAMPLES = 100_000  # compiled and C are compared on all of them
 
-
-def lowpass_example() -> Example:
-    params = LOWPASS.params.zeros(2)
-    params["pole"], params["order"] = np.array([0.5, 0.99]), np.array([1, 2])
-    return LOWPASS, params, random_inputs(LOWPASS, 100_000, 2)
-
-
-def examples() -> list[Example]:
-    """Return the low-pass and the stages of the registry, if there is one."""
-    name = "rotatum.estimators.registry"
-    found = [lowpass_example()]
-    if importlib.util.find_spec(name) is not None:
-        found += importlib.import_module(name).example_stages()
-    return found
-
-
-EXAMPLES = examples()
+EXAMPLES = example_stages(SAMPLES)
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=[stage.name for stage, *_ in EXAMPLES])
@@ -56,7 +33,8 @@ def test_a_ready_made_stage_passes(example: Example, project: Path) -> None:
 
 
 def test_the_full_contract_of_the_low_pass() -> None:
-    stage, params, inputs = lowpass_example()
+    stage, params, inputs = EXAMPLES[0]
+    assert stage.name == "lowpass"
     check_stage(stage, params=params, inputs=inputs, scale={"u.x": 1.0, "out.x": 1.0})
 
 

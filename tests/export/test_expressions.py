@@ -42,7 +42,8 @@ def wave(x):
     return math.sin(x) - math.cos(x)
 """
 COUNT = 12  # expressions compiled at once: the compiler's start is what costs
-FLOATS = st.floats(allow_nan=False, allow_infinity=False)
+# A zero in a sum is outside the subset.
+FLOATS = st.floats(allow_nan=False, allow_infinity=False).filter(lambda x: x != 0.0)
 SPECIAL = [0.0, -0.0, 1.0, -1.0, 5e-324, 1e308, -1e308, np.inf, -np.inf, np.nan, 0.1, 1e-8]
 
 
@@ -85,7 +86,7 @@ floats = st.recursive(
     st.lists(floats, min_size=COUNT, max_size=COUNT), st.lists(ints, min_size=COUNT, max_size=COUNT)
 )
 def test_expressions_agree(float_texts: list[str], int_texts: list[str]) -> None:
-    body = [f"    out.f{i} = 0.0 + ({text})" for i, text in enumerate(float_texts)]
+    body = [f"    out.f{i} = {text}" for i, text in enumerate(float_texts)]
     body += [f"    out.i{i} = {text}" for i, text in enumerate(int_texts)]
     text = f"{HEAD}\ndef init(params, state):\n    state.n = 0\n\n"
     text += "def step(params, state, u, out):\n    state.n = params.n\n" + "\n".join(body) + "\n"

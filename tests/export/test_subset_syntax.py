@@ -46,6 +46,7 @@ BROKEN = [
     ("def f():  # !\n    pass", "nested function"),
     ("class A:  # !\n    pass", "class"),
     ("import os  # !", "import"),
+    ("state.x = 0.0 - math.fabs(u.x)  # !", "0.0 in a sum"),
     ("state.x = 'a'  # !", "string"),
     ("state.x = f'{u.x}'  # !", "f-string"),
     ("state.x = None  # !", "None"),

@@ -53,6 +53,7 @@ class RowIn(Record):
     fresh = integer("1: the filters started here")
     y = number("left side", unit="N m")
     phi = number("deflection", unit="rad")
+    suspect = number("acceleration", unit="rad/s^2")
     R = vector("p", "regressors")
     F = vector("p", "basis")
     D = vector("p", "its derivative", unit="1/rad")
@@ -128,6 +129,7 @@ def pass_step(params: Any, state: Any, u: Any, out: Any) -> None:
     out.fresh = u.fresh
     out.y = u.y
     out.phi = u.phi
+    out.suspect = u.suspect
     for i in range(len(out.R)):
         out.R[i] = u.R[i]
         out.F[i] = u.F[i]

@@ -18,7 +18,9 @@ SHORTEST = 16
 class RowBank:
     """n estimators of two columns; rows are ``(N, n, 2)`` and ``(N, n)``."""
 
-    def __init__(self, joints: int = 1, *, terms: int = 1, lag: int = 3, **evidence: float) -> None:
+    def __init__(
+        self, joints: int = 1, *, terms: int = 1, lag: int = 3, **evidence: float | list[float]
+    ) -> None:
         self.stage = stiffness_stage(given_rows(2), UD, columns=2)
         params = self.stage.params.zeros(joints)
         params["solver"]["forgetting"] = params["solver"]["variance"] = 1.0
@@ -41,14 +43,14 @@ class RowBank:
         y: Array,
         *,
         D: tuple[float, float] = (1.0, 0.0),
-        H: tuple[float, float] = (0.0, 0.0),
+        suspect: Array | float = 0.0,
         fresh: tuple[int, ...] = (),
     ) -> Records:
         """Readings of every row; ``fresh`` rows start the filters and are not learnt from."""
         u = self.stage.input.zeros(*y.shape)
         u["time"] = np.arange(len(y))[:, None] * PERIOD
         u["valid"], u["y"], u["R"], u["F"] = 1, y, R, R
-        u["D"], u["H"] = D, H
+        u["D"], u["suspect"] = D, suspect
         for k in fresh:
             u["valid"][k], u["fresh"][k] = 0, 1
         return self.bank.run(u)

@@ -9,7 +9,7 @@ import pytest
 from scipy import signal
 
 from rotatum.kernels import blocks
-from rotatum.kernels.evidence import BEND, DUE, MEAN, PROBES, SCALE, SHIFT
+from rotatum.kernels.evidence import PULL, DUE, MEAN, PROBES, SCALE, SHIFT
 from tests import naive
 from tests.kernels.rowbank import SHORTEST, RowBank
 
@@ -113,38 +113,70 @@ def test_encoder_errors_widen_the_interval():
     rng, R = rows(64, 2048)
     y = R @ TRUTH + 0.01 * rng.standard_normal((2048, 1))
     plain = RowBank().run(R, y)[-1, 0]
-    a, v = 0.02, 1e-4
-    wide = RowBank(accuracy=a, noise=v).run(R, y)[-1, 0]
+    a = 0.02
+    wide = RowBank(accuracy=a).run(R, y)[-1, 0]
     phi = float(plain["informative_deflection"])
-    added = (a / phi) ** 2 + (v / phi**2) ** 2
-    expected = plain["stiffness_std"] ** 2 + plain["stiffness"] ** 2 * added
+    expected = plain["stiffness_std"] ** 2 + plain["stiffness"] ** 2 * (a / phi) ** 2
     assert wide["stiffness_std"] ** 2 == pytest.approx(expected, rel=1e-12)
     assert wide["stiffness_std"] > 2.0 * plain["stiffness_std"]
 
 
+def test_noise_in_a_column_is_bounded_by_what_it_does():
+    # Regressor noise of variance v attenuates the first coefficient by v / (1 + v).
+    v, n, joints = 0.02, 4096, 40
+    rng, R = rows(68, n, joints)
+    y = R @ TRUTH + 0.01 * rng.standard_normal((n, joints))
+    R[:, :, 0] += math.sqrt(v) * rng.standard_normal((n, joints))
+    blind = RowBank(joints).run(R, y)[-1]
+    told = RowBank(joints, noise=[v, 0.0]).run(R, y)[-1]
+    off = TRUTH[0] - told["stiffness"]
+    assert off.mean() == pytest.approx(TRUTH[0] * v / (1.0 + v), rel=0.05)
+    assert (off > 3.0 * blind["stiffness_std"]).mean() > 0.9  # it is a bias, not noise
+    assert (off < 1.96 * told["stiffness_std"]).all()
+    # The bound is the bias to first order: not wider than twice it.
+    assert (told["stiffness_std"] < 2.0 * TRUTH[0] * v).all()
+
+
 def test_probes_are_sums_over_rows_that_are_adjacent():
-    # 400 rows, then the filters start anew, then 300: no product may reach across the cut.
-    n, cut, lag = 700, 400, 3
-    rng, R = rows(65, n)
-    y = R @ TRUTH + 0.5 * rng.standard_normal((n, 1))
+    # Once settled, 400 rows, then the filters start anew, then 300: nothing reaches across the cut.
+    start, cut, end, lag = 2000, 2400, 2700, 3
+    rng, R = rows(65, end)
+    y = R @ TRUTH + 0.5 * rng.standard_normal((end, 1))
     bank = RowBank(lag=lag)
-    out = bank.run(R, y, fresh=(cut,))[:, 0]
-    e = y[:, 0] - (R[:, 0] * out["coefficients"]).sum(axis=1)
-    f = R[:, 0, 0] * out["coefficients"][:, 0]
+    pull = rng.standard_normal((end, 1))
+    first = bank.run(R[:start], y[:start], suspect=pull[:start])
+    before = bank.bank.state["evidence"][0].copy()
+    rest = bank.run(R[start:], y[start:], suspect=pull[start:], fresh=(cut - start,))
+    alpha = np.concatenate([first, rest])["coefficients"][:, 0]
+    e = y[:, 0] - (R[:, 0] * alpha).sum(axis=1)
+    f = R[:, 0, 0] * alpha[:, 0]
     probe, probe2 = np.zeros(PROBES), np.zeros(PROBES)
-    for first, last in ((0, cut), (cut + 1, n)):
-        for k in range(first + 2 * lag, last):
-            shift = f[k] - f[k - 2 * lag]
-            bend = f[k] - 2.0 * f[k - lag] + f[k - 2 * lag]
-            pieces = {MEAN: 1.0, SHIFT: shift, BEND: bend, SCALE: f[k - lag]}
-            for i, piece in pieces.items():
-                probe[i] += e[k - lag] * piece
-                probe2[i] += piece**2 if i in (SHIFT, BEND) else 0.0
-    state = bank.bank.state["evidence"][0]
+    for k in (*range(start, cut), *range(cut + 1 + 2 * lag, end)):
+        shift = f[k] - f[k - 2 * lag]
+        pieces = {MEAN: 1.0, SHIFT: shift, PULL: pull[k - lag, 0], SCALE: f[k - lag]}
+        for i, piece in pieces.items():
+            probe[i] += e[k - lag] * piece
+            probe2[i] += piece**2 if i in (SHIFT, PULL) else 0.0
+    after = bank.bank.state["evidence"][0]
     # Residuals of the recursion and of its output differ by rounding, relative to y = 100.
-    np.testing.assert_allclose(state["probe"], probe, rtol=0.0, atol=1e-6)
-    np.testing.assert_allclose(state["probe2"], probe2, rtol=1e-9)
-    assert state["weight"] == (cut - 2 * lag) + (n - cut - 1 - 2 * lag)
+    np.testing.assert_allclose(after["probe"] - before["probe"], probe, rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose(after["probe2"] - before["probe2"], probe2, rtol=1e-9)
+    assert after["weight"] - before["weight"] == 400 + 300 - 1 - 2 * lag
+
+
+def test_the_first_wild_coefficients_do_not_outweigh_later_ones():
+    # The fitted torques behind the probes must be those of a stiffness that is roughly right.
+    rng, R = rows(67, 4000, slow=0.99)
+    y = R @ TRUTH + 0.5 * rng.standard_normal((4000, 1))
+    bank = RowBank(lag=3)
+    bank.run(R, y)
+    f = R[:, 0, 0] * TRUTH[0]
+    state = bank.bank.state["evidence"][0]
+    # Sums over 3000 rows or more, correlated over a hundred for the torque itself: 25 %.
+    shift = f[6:] - f[:-6]
+    power = state["probe2"][SHIFT] / state["weight"]
+    assert power == pytest.approx((shift**2).mean(), rel=0.25)
+    assert state["torque2"] / state["weight"] == pytest.approx((f**2).mean(), rel=0.25)
 
 
 def test_scale_of_the_torque_does_not_matter():

@@ -152,7 +152,7 @@ def probes(share, doubt, *, streak=0, wrong=0):
     )
 
 
-ALL = sum(row.bit for row in TABLE if row.name in ("lag", "curvature", "offset", "drift"))
+ALL = sum(row.bit for row in TABLE if row.name in ("lag", "inertia", "offset", "drift"))
 SETTINGS = SimpleNamespace(bias=0.02)
 
 
@@ -200,12 +200,15 @@ def test_every_bit_has_one_name_and_one_place():
 
 
 def test_deviations_are_those_of_the_read_out():
-    state = SimpleNamespace(inflation=2.0, variance=0.25, deflection=0.1, **{STDS: [0.3]})
-    settings = SimpleNamespace(accuracy=0.02, noise=1e-3)
+    state = SimpleNamespace(
+        inflation=2.0, variance=0.25, deflection=0.1, shift=3.0, **{STDS: [0.3]}
+    )
+    settings = SimpleNamespace(accuracy=0.02)
     out = SimpleNamespace(stiffness=50.0, torque=4.0, coefficients_std=[0.0])
     readout.deviations(state, settings, 8.0, 0.5, out)
-    relative = 0.2**2 + 0.1**2  # 0.02 / 0.1, and 1e-3 / 0.1^2
-    assert out.stiffness_std == pytest.approx(math.sqrt(2 * 0.25 * 8.0 + 50.0**2 * relative))
+    relative = 0.2**2  # 0.02 / 0.1
+    variance = 2 * 0.25 * 8.0 + 50.0**2 * relative + 3.0**2
+    assert out.stiffness_std == pytest.approx(math.sqrt(variance))
     assert out.torque_std == pytest.approx(math.sqrt(2 * 0.25 * 0.5 + 4.0**2 * relative))
     assert out.noise == 0.5
     assert np.array_equal(out.coefficients_std, [0.3])

@@ -255,9 +255,7 @@ def test_friction_has_its_sign_from_both_sides_and_the_row_waits_for_it(delay):
     rubbed = tau.copy()
     rubbed[middle] += C * sgn
     for kinds, known in (([], C), ([rows.COULOMB], 0.0)):
-        P, S = problem(
-            [1], kinds, cutoff=300.0, inertia=B, coulomb=known, width=width, delay=delay
-        )
+        P, S = problem([1], kinds, cutoff=300.0, inertia=B, coulomb=known, width=width, delay=delay)
         out = run(P, S, q, theta, rubbed)
         fit = out["R"] @ [k1 * 0.01, C][: 1 + len(kinds)]
         # The first hat is complete two samples after the first sign; both sides of friction go

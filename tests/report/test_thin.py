@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
@@ -65,4 +67,4 @@ def test_buckets_cover_everything_once(count: int, number: int) -> None:
     assert len(edges) == min(count, number)
     assert edges[0][0] == 0
     assert edges[-1][1] == count
-    assert all(a[1] == b[0] and a[0] < a[1] for a, b in zip(edges, edges[1:], strict=False))
+    assert all(a[1] == b[0] and a[0] < a[1] for a, b in pairwise(edges))

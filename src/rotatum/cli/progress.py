@@ -15,10 +15,8 @@ if TYPE_CHECKING:
 
 __all__ = ["progress"]
 
-_COMPILING = "compiling kernels (once per machine and method)"
-_PATIENCE = (
-    2.0  # seconds without a sample after which kernels are being compiled: loading is quicker
-)
+_COMPILING = "loading kernels (compiled first, once per machine and method)"
+_PATIENCE = 3.0  # seconds without a sample that a start with compiled kernels does not take
 
 
 @contextmanager

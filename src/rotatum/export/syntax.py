@@ -121,6 +121,9 @@ class _Checker(ast.NodeVisitor):
 
     def visit_BinOp(self, node: ast.BinOp) -> None:
         self._operator(node, node.op)
+        if isinstance(node.op, (ast.Add, ast.Sub)) and (_zero(node.left) or _zero(node.right)):
+            # GCC 12 makes -fabs(x) out of 0.0 - fabs(x): a zero of the other sign.
+            self.report(node, "0.0 in a sum", "compilers drop it and lose the sign of a zero")
         self.visit(node.left)
         self.visit(node.right)
 
@@ -205,3 +208,7 @@ def _literal_step(node: ast.expr) -> bool:
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
         node = node.operand
     return isinstance(node, ast.Constant) and type(node.value) is int and node.value != 0
+
+
+def _zero(node: ast.expr) -> bool:
+    return isinstance(node, ast.Constant) and type(node.value) is float and node.value == 0.0

@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 from rotatum.export import c_functions
 from rotatum.export.c_text import note, wrapped
+from rotatum.export.checker import require_subset
 from rotatum.export.header import header
 from rotatum.export.infer import Inference, infer_stage
 from rotatum.export.instance import Instance
 from rotatum.export.names import RESERVED, identifier, unique
 from rotatum.export.sources import FlatModule, flat_module
 from rotatum.export.structs import ROLES, Structs
-from rotatum.export.subset import require_subset
 from rotatum.runtime.errors import StageError
 from rotatum.runtime.stage import Stage
 

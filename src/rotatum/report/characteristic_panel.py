@@ -85,7 +85,7 @@ def _cloud(phi: Array, torque: Array) -> Trace:
         "name": "data",
         "x": (1e3 * phi[there]).astype(np.float32),
         "y": torque[there].astype(np.float32),
-        "marker": {"size": 3, "color": DATA, "opacity": 0.35},
+        "marker": {"size": 4, "color": DATA, "opacity": 0.35},
         "hoverinfo": "skip",
     }
 

@@ -105,4 +105,4 @@ def _inflation_row(shown: View) -> Row:
 def _logarithmic(low: float, high: float) -> dict[str, object]:
     bottom, top = math.log10(low), math.log10(high)
     y: dict[str, object] = {"type": "log", "range": [bottom, top], "tickformat": "~g"}
-    return {**y, "dtick": 1} if top - bottom > 1.5 else y
+    return {**y, "dtick": 1 if top - bottom > 1.5 else "D2"}

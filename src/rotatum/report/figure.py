@@ -116,7 +116,6 @@ def _layout(shown: Sequence[Panel]) -> dict[str, Any]:
             "x": 0,
             "y": 1 + 22 / inner,
             "yanchor": "bottom",
-            "itemsizing": "constant",
         },
         "hovermode": "closest",
         "annotations": [],

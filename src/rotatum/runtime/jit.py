@@ -99,12 +99,14 @@ def _compile(numba: Any, directory: Path, name: str, text: str, key: tuple[Any, 
         "start": (array(params), array(state)),
         "run": (array(params), array(state), array(u), array(out)),
     }
-    options = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": False}
+    options = {"nogil": True, "error_model": "numpy", "fastmath": False}
+    # Kernels are called by kernels only, and their code is in the driver's: no wrapper, no cache.
+    inner = {**options, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     for function in [n for n in vars(module) if callable(vars(module)[n]) and n not in signatures]:
-        setattr(module, function, numba.njit(**options)(getattr(module, function)))
+        setattr(module, function, numba.njit(**inner)(getattr(module, function)))
     loops = []
     for loop, signature in signatures.items():
-        loops.append(numba.njit([numba.void(*signature)], **options)(getattr(module, loop)))
+        loops.append(numba.njit([numba.void(*signature)], cache=True, **options)(getattr(module, loop)))
     return Loops(*loops)
 
 

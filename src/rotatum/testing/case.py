@@ -8,9 +8,9 @@ from functools import cached_property
 
 import numpy as np
 
+from rotatum.export.checker import in_stage
 from rotatum.export.compiler import CompilerError, compiler
 from rotatum.export.shared import CompiledC, build_shared
-from rotatum.export.subset import in_stage
 from rotatum.record import Records
 from rotatum.runtime.bank import Bank
 from rotatum.runtime.stage import Stage

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from rotatum.export.subset import in_stage
+from rotatum.export.checker import in_stage
 from rotatum.record import Layout
 from rotatum.testing.case import Case
 from rotatum.testing.report import SkippedError
