@@ -150,4 +150,5 @@ def _size(dim: str | int, sizes: Mapping[str, int]) -> int:
 
 
 Init = Callable[[Any, Any], None]
+Hold = Callable[[Any, Any, Any], None]
 Step = Callable[[Any, Any, Any, Any], None]

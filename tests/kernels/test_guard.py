@@ -79,6 +79,12 @@ def test_not_finite_is_refused(value, where):
     assert w.state.restarts == 0
 
 
+@pytest.mark.parametrize("value", [1e13, -1e160, 1.7e308])
+def test_what_no_sensor_measures_is_refused(value):
+    # Its square, or its fifth power in a basis, would be infinite and stay so.
+    assert Watch().started().feed(2 * T, 3.0, value) == (0, NOT_FINITE)
+
+
 def test_refused_before_the_first_good_one():
     w = Watch()
     assert w.feed(0.0, math.nan, 0.0) == (0, NOT_FINITE)
@@ -206,7 +212,7 @@ def test_a_saturated_channel_is_refused_and_the_filters_restart_after_it(value):
     w = Watch(limit=[0.0, 5.0]).started()
     assert w.feed(2 * T, 3.0, value) == (0, SATURATED)
     assert w.feed(3 * T, 3.0, value) == (0, SATURATED)
-    steps, status = w.feed(4 * T, 3.0, -3.0)
+    _, status = w.feed(4 * T, 3.0, -3.0)
     assert status & RESTARTED
     assert w.seen[0][1] == 1
     assert (w.state.saturated, w.state.restarts) == (2, 1)

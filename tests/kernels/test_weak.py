@@ -304,6 +304,15 @@ def test_the_zero_is_the_mean_of_the_first_deflections():
     assert out["fresh"].tolist() == [1, 1, 1, 1, 0, 0, 0, 0]
 
 
+def test_a_restart_begins_the_zero_anew_while_it_is_read_and_not_afterwards():
+    # A glitch of an encoder is a jump there and back: two restarts, the glitch between them.
+    q = np.array([1.0, 1.0, 900.0, 1.0, 1.0, 1.0, 1.0, 5.0, 5.0])
+    P, S = problem([1], cutoff=300.0, inertia=B, scale=1.0)
+    P["zero"]["samples"] = 3
+    out = run(P, S, q, 0.0 * q, 0.0 * q, fresh=(0, 2, 3, 8))
+    assert out["phi"][6:].tolist() == [0.0, 4.0, 4.0]
+
+
 def test_the_basis_now_is_zero_for_what_is_no_spring():
     P, S = problem([1, 3], [rows.OFFSET], cutoff=300.0, inertia=B, scale=0.5)
     out = run(P, S, np.full(5, 0.25), np.zeros(5), np.zeros(5))

@@ -14,8 +14,6 @@ from tests.kernels.make import record
 
 T = 1e-3
 WILD = st.floats(allow_nan=True, allow_infinity=True, width=64)
-# Up to 1e300: the differences of any two are finite, as they are for whatever has a unit.
-TAME = st.floats(-1e300, 1e300)
 CLOCK = st.one_of(st.integers(-20, 40).map(lambda k: k * T), st.floats(-1.0, 1.0), WILD)
 STREAM = st.lists(st.tuples(CLOCK, WILD, WILD), max_size=40)
 LIMITS = st.sampled_from([0.0, 1e-3, 1.0, 2.0 * math.pi, 1e6])
@@ -56,7 +54,7 @@ def test_every_sample_is_accepted_or_refused_for_one_reason(stream, jump, wrap, 
     assert state.accepted + refused == len(stream)
 
 
-@given(st.lists(st.tuples(CLOCK, TAME | st.just(math.nan), TAME), max_size=40), LIMITS, LIMITS)
+@given(STREAM, LIMITS, LIMITS)
 def test_what_is_handed_on_and_remembered_is_finite(stream, jump, wrap):
     params, state = watch(jump, wrap)
     for sample in stream:

@@ -138,7 +138,7 @@ def test_a_closure_cannot_be_flattened():
 
 def test_only_functions_with_a_source_are_kernels():
     with pytest.raises(StageError, match="plain Python function"):
-        flatten(init, math.sqrt)  # type: ignore[arg-type]
+        flatten(init, math.sqrt)
     namespace: dict[str, Any] = {}
     exec("def step(params, state, u, out):\n    out.x = 1.0\n", namespace)
     with pytest.raises(StageError, match="define it in a file"):

@@ -6,7 +6,8 @@ from typing import Any, NamedTuple
 
 from rotatum.kernels import blocks, evidence, guard, readout, rls, rows, udrls
 from rotatum.record import Field, Layout, Record, integer
-from rotatum.runtime.compose import copy_lines, write_kernels
+from rotatum.runtime.compose import write_function, write_kernels
+from rotatum.runtime.errors import StageError
 from rotatum.runtime.stage import Stage
 
 LEVELS = 20  # of block sums: the longest block is 2^19 times the shortest
@@ -44,10 +45,11 @@ COVARIANCE = _solver("covariance", rls, rls.RlsState, "flacco2012", "bittanti199
 STEP = """rows_step(params.rows, state.rows, u, state.row)
 if state.row.fresh != 0:
     blocks_clear(state.sums)
+    evidence_cut(state.evidence)
 if state.row.valid != 0:
     solver_update(params.solver, state.solver, state.row.R, state.row.y)
     evidence_add(params.evidence, state.evidence, state.sums, state.row, state.solver)
-    if evidence_due(state.evidence, state.sums, params.sums, {p}) != 0:
+    if evidence_due(params.evidence, state.evidence, state.sums, params.sums, {p}) != 0:
         evidence_noise_level(state.evidence)
         readout_read(state.row, state.solver.alpha, out)
         solver_multiply(state.solver, state.row.D, state.evidence.direction)
@@ -56,21 +58,23 @@ if state.row.valid != 0:
         )
         renew(params, state)
         readout_deviations(
-            state.evidence, params.evidence, solver_spread(state.solver, state.row.D), 0.0, out
+            state.evidence, solver_spread(state.solver, state.row.D), 0.0, out
         )
         half = 1.96 * out.stiffness_std
         evidence_verdict_bits(
             params.evidence, state.evidence, half / (math.fabs(out.stiffness) + 1e-300)
         )
-readout_read(state.row, state.solver.alpha, out)
+tell(params, state, u.time, 1, out)"""
+
+TELL = """readout_read(state.row, state.solver.alpha, out)
 sigma_spread = solver_spread(state.solver, state.row.D)
 torque_spread = solver_spread(state.solver, state.row.F)
-readout_deviations(state.evidence, params.evidence, sigma_spread, torque_spread, out)
+readout_deviations(state.evidence, sigma_spread, torque_spread, out)
 readout_decide(
     params.readout, state.readout, state.evidence, params.evidence, state.row, sigma_spread,
-    u.time, out
+    time, counted, out
 )
-out.time = u.time
+out.time = time
 out.rows = state.solver.count"""
 
 RENEW = """for i in range({p}):
@@ -116,20 +120,23 @@ def stiffness_stage(rows_stage: Stage, solver: Solver, *, columns: int) -> Stage
     params = Layout(f"{name}_params", doc, {k: Field(v[0]) for k, v in parts.items() if v[0]})
     state = Layout(f"{name}_state", doc, {k: Field(v[1]) for k, v in parts.items() if v[1]})
     kernels = _kernels(rows_stage, solver)
-    renew, _ = write_kernels(
-        f"{name}_renew", doc, RENEW.format(p=p).splitlines(), ["pass"], kernels
-    )
     init_lines = [
         "rows_init(params.rows, state.rows)",
         "solver_init(params.solver, state.solver)",
         "evidence_init(params.evidence, state.evidence)",
         "readout_init(params.readout, state.readout)",
     ]
-    kernels["renew"] = renew
+
+    def write(signature: str, lines: str) -> Any:
+        return write_function(signature, name, doc, lines.format(p=p).splitlines(), kernels)
+
+    kernels["renew"] = write("renew(params, state)", RENEW)
+    kernels["tell"] = write("tell(params, state, time, counted, out)", TELL)
+    hold = write("hold(params, state, out)", "tell(params, state, 0.0, 0, out)")
     init, step = write_kernels(name, doc, init_lines, STEP.format(p=p).splitlines(), kernels)
     cites = tuple(dict.fromkeys((*rows_stage.cites, *solver.cites)))
     output = readout.Reading.layout(p=p)
-    return Stage(name, params, state, rows_stage.input, output, init, step, cites)
+    return Stage(name, params, state, rows_stage.input, output, init, step, cites, hold)
 
 
 def _kernels(rows_stage: Stage, solver: Solver) -> dict[str, Any]:
@@ -140,7 +147,7 @@ def _kernels(rows_stage: Stage, solver: Solver) -> dict[str, Any]:
     for name in ("init", "update", "anchor", "spread", "multiply"):
         found[f"solver_{name}"] = getattr(solver, name)
     judging = ("noise_level", "judge", "coefficient", "anchoring", "verdict_bits")
-    for name in ("init", "add", "due", *judging):
+    for name in ("init", "add", "cut", "due", *judging):
         found[f"evidence_{name}"] = getattr(evidence, name)
     for name in ("init", "read", "deviations", "decide"):
         found[f"readout_{name}"] = getattr(readout, name)
@@ -157,6 +164,8 @@ def guarded(inner: Stage, channels: tuple[str, ...]) -> Stage:
         inner: its input has ``time``, ``fresh`` and the channels; its output ``time``, ``status``.
         channels: the float fields the guard watches and interpolates.
     """
+    if inner.hold is None:
+        raise StageError(f"{inner.name} cannot hold its output, so it cannot be guarded")
     name = f"{inner.name}_guarded"
     c = len(channels)
     fields = {k: f for k, f in inner.input.fields.items() if k != "fresh"}
@@ -174,7 +183,6 @@ def guarded(inner: Stage, channels: tuple[str, ...]) -> Stage:
             "guard": Field(guard.GuardState.layout(c=c)),
             "inner": Field(inner.state),
             "sample": Field(inner.input),
-            "held": Field(inner.output),
         },
     )
     others = [k for k in fields if k not in (*channels, "time")]
@@ -188,13 +196,17 @@ def guarded(inner: Stage, channels: tuple[str, ...]) -> Stage:
         "state.sample.fresh = 0",
         "if k == 0:",
         "    state.sample.fresh = state.guard.fresh",
-        "inner_step(params.inner, state.inner, state.sample, state.held)",
+        "inner_step(params.inner, state.inner, state.sample, out)",
     ]
     lines += [f"    {line}" for line in inside]
-    lines += ["if steps > 0:", "    guard_finish(params.guard, state.guard, u.time)"]
-    for field, kind in inner.output.fields.items():
-        lines += copy_lines(kind, f"out.{field}", f"state.held.{field}")
-    lines += ["out.time = u.time", "out.status = state.held.status | state.guard.status"]
+    lines += [
+        "if steps > 0:",
+        "    guard_finish(params.guard, state.guard, u.time)",
+        "else:",
+        "    inner_hold(params.inner, state.inner, out)",
+        "out.time = u.time",
+        "out.status = out.status | state.guard.status",
+    ]
     init_lines = [
         "guard_init(params.guard, state.guard)",
         "inner_init(params.inner, state.inner)",
@@ -206,6 +218,7 @@ def guarded(inner: Stage, channels: tuple[str, ...]) -> Stage:
         "guard_finish": guard.finish,
         "inner_init": inner.init,
         "inner_step": inner.step,
+        "inner_hold": inner.hold,
     }
     init, step = write_kernels(name, doc, init_lines, lines, kernels)
     return Stage(name, params, state, outer, inner.output, init, step, inner.cites)

@@ -277,7 +277,7 @@ def _solver(
     solver["spread"][:] = PRIOR
     evidence["spread"][:] = PRIOR
     evidence["forgetting"] = settings.forgetting
-    evidence["memory"] = math.exp(-period / MEMORY)
+    evidence["memory"] = math.exp(-BLOCK * period / MEMORY)
     evidence["terms"] = len(powers)
     evidence["lag"] = min(31, max(1, round(0.25 / (settings.cutoff * period))))
     evidence["accuracy"] = joint.encoders.accuracy or 0.0

@@ -35,7 +35,8 @@ def evaluate(params: Any, state: Any, phi: float, setpoint: float) -> None:
     Departure: the paper's powers of radians and metres depend on the unit (see the docs on
     normalisation); here every term is of order one over the declared range.
     """
-    x = phi / params.scale
+    rate = 1.0 / params.scale
+    x = phi * rate
     state.x[0] = 1.0
     for i in range(1, len(state.x)):
         state.x[i] = state.x[i - 1] * x
@@ -45,9 +46,9 @@ def evaluate(params: Any, state: Any, phi: float, setpoint: float) -> None:
         state.D[h] = 0.0
         state.H[h] = 0.0
         if i >= 1:
-            state.D[h] = i * state.x[i - 1] / params.scale
+            state.D[h] = i * state.x[i - 1] * rate
         if i >= 2:
-            state.H[h] = i * (i - 1) * state.x[i - 2] / (params.scale * params.scale)
+            state.H[h] = i * (i - 1) * state.x[i - 2] * rate * rate
     if params.setpoint_order > 0:
         _setpoint(params, state, setpoint)
 

@@ -15,6 +15,7 @@ SHIFT = 1
 PULL = 2
 SCALE = 3
 PROBES = 4
+MOMENTS = 6
 DUE = 8  # blocks of level 0 between evaluations
 STREAK = 3  # evaluations in a row before a probe is believed
 SETTLED = 8  # evaluations before the noise level weighs what the device file says
@@ -25,7 +26,7 @@ class EvidenceParams(Record):
     """What the interval has to account for, and when a model is called wrong."""
 
     forgetting = number("the solver's", symbol="lambda")
-    memory = number("weight of a term in the tests relative to the next, they look at recent data")
+    memory = number("weight of a block of level 0 in the tests relative to the next one")
     terms = integer("columns that belong to the spring, the first ones")
     lag = integer("samples between the residual tested and the torque on either side of it")
     common = number(
@@ -53,6 +54,8 @@ class EvidenceState(Record):
     variance = number("variance of a row's noise", unit="(N m)^2", symbol="s^2")
     inflation = number("factor on the read-out's variance for coloured residuals")
     deflection = number("rms deflection that nothing else explains", unit="rad")
+    relative2 = number("square of the relative error from the encoders' systematic one")
+    noise = number("standard deviation of a row's noise", unit="N m", symbol="s")
     shift = number("how far the encoders' noise may have moved the stiffness", unit="N m/rad")
     direction = vector("p", "P times the read-out direction")
     unit = vector("p", "scratch: a unit vector")
@@ -62,6 +65,11 @@ class EvidenceState(Record):
     f = vector(RING, "recent fitted elastic torques", unit="N m")
     head = integer("where the next one goes")
     length = integer("how many there are")
+    open = vector(
+        MOMENTS,
+        "sums of the open block: terms, torque, its square, acceleration times "
+        "torque, squared shift, squared acceleration",
+    )
     weight = number("terms in the tests, faded")
     torque = number("sum of fitted torques", unit="N m")
     torque2 = number("sum of their squares", unit="(N m)^2")
@@ -79,6 +87,13 @@ def init(params: Any, state: Any) -> None:
     """No rows yet, so no noise level: the first evaluation sets it."""
     state.evaluated = 0
     state.inflation = 1.0
+
+
+def cut(state: Any) -> None:
+    """Drop the open block: what follows is not adjacent to what came before."""
+    state.length = 0
+    for i in range(MOMENTS):
+        state.open[i] = 0.0
 
 
 def add(params: Any, state: Any, sums: Any, row: Any, solver: Any) -> None:
@@ -99,8 +114,6 @@ def add(params: Any, state: Any, sums: Any, row: Any, solver: Any) -> None:
         sums.part[i] = sums.part[i] + e * row.R[i]
     for i in range(params.terms):
         f = f + row.R[i] * solver.alpha[i]
-    if row.fresh != 0:
-        state.length = 0
     state.e[state.head] = e
     state.f[state.head] = f
     state.pull[state.head] = row.suspect
@@ -124,30 +137,40 @@ def _probe(params: Any, state: Any, sums: Any, p: int, after: float) -> None:
     e = state.e[middle]
     f = state.f[middle]
     before = state.f[first]
-    m = params.memory
     shift = after - before
     pull = state.pull[middle]
-    moved = e * pull - params.common
-    state.weight = m * state.weight + 1.0
-    state.torque = m * state.torque + f
-    state.torque2 = m * state.torque2 + f * f
-    state.cross = m * state.cross + pull * f
-    state.probe[MEAN] = m * state.probe[MEAN] + e
-    state.probe[SHIFT] = m * state.probe[SHIFT] + e * shift
-    state.probe[PULL] = m * state.probe[PULL] + moved
-    state.probe[SCALE] = m * state.probe[SCALE] + e * f
-    state.probe2[SHIFT] = m * state.probe2[SHIFT] + shift * shift
-    state.probe2[PULL] = m * state.probe2[PULL] + pull * pull
+    state.open[0] = state.open[0] + 1.0
+    state.open[1] = state.open[1] + f
+    state.open[2] = state.open[2] + f * f
+    state.open[3] = state.open[3] + pull * f
+    state.open[4] = state.open[4] + shift * shift
+    state.open[5] = state.open[5] + pull * pull
     sums.part[p + MEAN] = sums.part[p + MEAN] + e
     sums.part[p + SHIFT] = sums.part[p + SHIFT] + e * shift
-    sums.part[p + PULL] = sums.part[p + PULL] + moved
+    sums.part[p + PULL] = sums.part[p + PULL] + e * pull - params.common
     sums.part[p + SCALE] = sums.part[p + SCALE] + e * f
 
 
-def due(state: Any, sums: Any, block_params: Any, p: int) -> int:
+def fold(params: Any, state: Any, sums: Any, p: int) -> None:
+    """Fade what the tests remember and add the open block's sums to it."""
+    m = params.memory
+    for i in range(PROBES):
+        state.probe[i] = m * state.probe[i] + sums.part[p + i]
+    state.weight = m * state.weight + state.open[0]
+    state.torque = m * state.torque + state.open[1]
+    state.torque2 = m * state.torque2 + state.open[2]
+    state.cross = m * state.cross + state.open[3]
+    state.probe2[SHIFT] = m * state.probe2[SHIFT] + state.open[4]
+    state.probe2[PULL] = m * state.probe2[PULL] + state.open[5]
+    for i in range(MOMENTS):
+        state.open[i] = 0.0
+
+
+def due(params: Any, state: Any, sums: Any, block_params: Any, p: int) -> int:
     """Close a full block; returns 1 when it is time to evaluate."""
     if sums.filled < block_params.base:
         return 0
+    fold(params, state, sums, p)
     blocks.close(block_params, sums, p)
     if sums.closed < (state.evaluated + 1) * DUE:
         return 0
@@ -179,6 +202,9 @@ def judge(params: Any, state: Any, sums: Any, alpha: Any, D: Any) -> None:
         if worst > state.variance * q:
             state.inflation = worst / (state.variance * q)
         state.deflection = math.sqrt(1.0 / (state.rows * q))
+        a = params.accuracy / state.deflection
+        state.relative2 = a * a
+    state.noise = math.sqrt(state.variance)
     state.shift = _shift(params, state, alpha)
     _tests(state, sums, p)
 

@@ -61,14 +61,14 @@ def init(params: Any, state: Any) -> None:
 
 def plan(params: Any, state: Any, time: float) -> int:
     """Judge the sample in ``state.now``: how many steps to take, 0 when it is refused."""
-    state.status = _refusal(params, state, time)
+    elapsed = (time - state.time) / params.period
+    state.status = _refusal(params, state, time, elapsed)
     if state.status != 0:
         return 0
     steps = 1
     if state.started == 0:
         state.fresh = 1
     else:
-        elapsed = (time - state.time) / params.period
         if elapsed > params.missing + 1.5:
             state.status = state.status | GAP
             state.fresh = 1
@@ -96,6 +96,11 @@ def plan(params: Any, state: Any, time: float) -> int:
 
 def fill(params: Any, state: Any, time: float, k: int, steps: int) -> None:
     """Put step ``k`` of ``steps`` on the straight line from the last good sample to this one."""
+    if steps == 1:
+        for i in range(len(state.now)):
+            state.mix[i] = state.now[i]
+        state.mix_time = time
+        return
     part = (k + 1.0) / steps
     for i in range(len(state.now)):
         state.mix[i] = state.last[i] + part * (state.now[i] - state.last[i])
@@ -110,7 +115,7 @@ def finish(params: Any, state: Any, time: float) -> None:
     state.fresh = 0
 
 
-def _refusal(params: Any, state: Any, time: float) -> int:
+def _refusal(params: Any, state: Any, time: float, elapsed: float) -> int:
     broken = time - time
     for i in range(len(state.now)):
         broken = broken + (state.now[i] - state.now[i])
@@ -126,7 +131,6 @@ def _refusal(params: Any, state: Any, time: float) -> int:
             return SATURATED
     if state.started == 0:
         return 0
-    elapsed = (time - state.time) / params.period
     if elapsed < -0.5:
         state.backwards = state.backwards + 1
         state.past = state.past + 1

@@ -90,9 +90,7 @@ def read(row: Any, alpha: Any, out: Any) -> None:
     out.row_fit = fit
 
 
-def deviations(
-    evidence: Any, evidence_params: Any, sigma_spread: float, torque_spread: float, out: Any
-) -> None:
+def deviations(evidence: Any, sigma_spread: float, torque_spread: float, out: Any) -> None:
     """Standard deviations: coloured noise, and what the encoders' errors do to the stiffness.
 
     ``std^2 = inflation s^2 D^T P D + (sigma a / phi)^2 + shift^2``: a systematic error ``a`` of the
@@ -100,14 +98,11 @@ def deviations(
     stiffness; ``shift`` bounds the bias from encoder noise in the columns.
     """
     scale = evidence.inflation * evidence.variance
-    relative = 0.0
-    if evidence.deflection > 0.0:
-        a = evidence_params.accuracy / evidence.deflection
-        relative = a * a
+    relative = evidence.relative2
     wrong = out.stiffness * out.stiffness * relative + evidence.shift * evidence.shift
     out.stiffness_std = math.sqrt(scale * sigma_spread + wrong)
     out.torque_std = math.sqrt(scale * torque_spread + out.torque * out.torque * relative)
-    out.noise = math.sqrt(evidence.variance)
+    out.noise = evidence.noise
     out.inflation = evidence.inflation
     out.informative_deflection = evidence.deflection
     for i in range(len(evidence.std)):
@@ -122,13 +117,15 @@ def decide(
     row: Any,
     sigma_spread: float,
     time: float,
+    counted: int,
     out: Any,
 ) -> None:
     """Set verdict, status and ``converged_at``.
 
     Starved: half the interval exceeds ``starved`` of the estimate, or more than ``shrink`` of the
     prior's variance is left in this read-out direction. Informative: below ``informative`` for
-    ``hold`` seconds. Inconsistent: a probe of the model speaks; wins over the others.
+    ``hold`` seconds. Inconsistent: a probe of the model speaks; wins over the others. A read-out
+    that is only repeated is not ``counted``.
     """
     prior = 0.0
     for i in range(len(row.D)):
@@ -141,9 +138,9 @@ def decide(
         status = status | WIDE
         if 1.96 * evidence_params.accuracy > params.starved * evidence.deflection:
             status = status | DEFLECTION
-    if half < params.informative * out.stiffness:
+    if counted != 0:
         state.narrow = state.narrow + 1
-    else:
+    if half >= params.informative * out.stiffness:
         state.narrow = 0
     wrong = evidence.wrong
     if status & PRIOR == 0:
@@ -157,10 +154,13 @@ def decide(
         verdict = INCONSISTENT
     out.verdict = verdict
     out.status = status | wrong
-    _since(params, state, verdict, time, out)
+    if counted != 0:
+        _since(params, state, verdict, time)
+    out.converged = state.converged
+    out.converged_at = state.converged_at
 
 
-def _since(params: Any, state: Any, verdict: int, time: float, out: Any) -> None:
+def _since(params: Any, state: Any, verdict: int, time: float) -> None:
     if verdict == INFORMATIVE:
         if state.good == 0:
             state.since = time
@@ -170,5 +170,3 @@ def _since(params: Any, state: Any, verdict: int, time: float, out: Any) -> None
             state.converged_at = state.since
     else:
         state.good = 0
-    out.converged = state.converged
-    out.converged_at = state.converged_at

@@ -88,14 +88,14 @@ def sign(velocity: float, width: float) -> float:
 
 def read_basis(terms: Any, out: Any) -> None:
     """Copy the basis at the deflection of now into a row; the other columns are no spring."""
-    for h in range(len(out.F)):
-        out.F[h] = 0.0
-        out.D[h] = 0.0
-        out.H[h] = 0.0
     for h in range(len(terms.F)):
         out.F[h] = terms.F[h]
         out.D[h] = terms.D[h]
         out.H[h] = terms.H[h]
+    for h in range(len(terms.F), len(out.F)):
+        out.F[h] = 0.0
+        out.D[h] = 0.0
+        out.H[h] = 0.0
 
 
 def hat(before: float, middle: float, after: float) -> float:

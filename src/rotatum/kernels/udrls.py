@@ -115,19 +115,21 @@ def multiply(state: Any, c: Any, out: Any) -> None:
 def _absorb(state: Any, e: float, variance: float) -> float:
     """Bierman's update for innovation ``e`` and ``state.f = U^T R``; returns ``R^T P R``."""
     a = variance
+    inverse = 1.0 / a
     for j in range(len(state.d)):
         fj = state.f[j]
         v = state.d[j] * fj
+        k = -fj * inverse
         b = a
         a = a + fj * v
-        state.d[j] = state.d[j] * (b / a)
+        inverse = 1.0 / a
+        state.d[j] = state.d[j] * b * inverse
         state.g[j] = v
-        k = -fj / b
         for i in range(j):
             old = state.U[i, j]
             state.U[i, j] = old + state.g[i] * k
             state.g[i] = state.g[i] + v * old
-    w = e / a
+    w = e * inverse
     for i in range(len(state.d)):
         state.alpha[i] = state.alpha[i] + state.g[i] * w
     return a - variance

@@ -188,13 +188,13 @@ def _advance(p: Any, w: Any, terms: Any) -> None:
 
 
 def _balance(p: Any, w: Any) -> None:
-    T = p.period
     if p.held != 0:
         tau = 0.5 * (w.torque2 + w.torque1)
     else:
         tau = hat(w.torque2, w.torque1, w.torque0)
-    w.acceleration = (w.theta0 - 2.0 * w.theta1 + w.theta2) / (T * T)
-    w.velocity = (w.theta0 - w.theta2) / (2.0 * T)
+    rate = 1.0 / p.period
+    w.acceleration = (w.theta0 - 2.0 * w.theta1 + w.theta2) * rate * rate
+    w.velocity = 0.5 * (w.theta0 - w.theta2) * rate
     w.friction = hat(w.sign2, w.sign1, w.sign0)
     w.raw_y = p.inertia * w.acceleration + p.damping * w.velocity + p.coulomb * w.friction - tau
 

@@ -65,21 +65,36 @@ def write_kernels(
     kernels: Mapping[str, Any],
 ) -> tuple[Init, Step]:
     """Make ``init`` and ``step`` from lines of the exportable subset that call ``kernels``."""
-    body = "\n    ".join(init_lines), "\n    ".join(step_lines)
-    text = (
-        f'"""{doc}"""\n\n\ndef init(params, state):\n    {body[0]}\n\n\n'
-        f"def step(params, state, u, out):\n    {body[1]}\n"
-    )
+    init = write_function("init(params, state)", name, doc, init_lines, kernels)
+    step = write_function("step(params, state, u, out)", name, doc, step_lines, kernels)
+    return init, step
+
+
+def write_function(
+    signature: str, module: str, doc: str, lines: Sequence[str], kernels: Mapping[str, Any]
+) -> Any:
+    """Make one kernel.
+
+    Args:
+        signature: as ``step(params, state, u, out)``.
+        module: the composition it belongs to; part of its name in the flat text.
+        doc: what the composition is, in a line.
+        lines: its body.
+        kernels: what the names in the body mean.
+    """
+    name = signature.partition("(")[0]
+    body = "\n    ".join(lines)
+    text = f'"""{doc}"""\n\n\ndef {signature}:\n    {body}\n'
     digest = hashlib.sha256(text.encode()).hexdigest()[:12]
-    filename = f"<rotatum {name} {digest}>"
-    namespace: dict[str, Any] = {"__name__": f"rotatum.composed.{name}", **kernels}
+    filename = f"<rotatum {module}.{name} {digest}>"
+    namespace: dict[str, Any] = {"__name__": f"rotatum.composed.{module}", **kernels}
     exec(compile(text, filename, "exec"), namespace)  # the text was written three lines above
     # inspect.getsource finds the text of a function that is in no file through linecache.
     linecache.cache[filename] = (len(text), None, text.splitlines(keepends=True), filename)
-    init, step = namespace["init"], namespace["step"]
-    if not (isinstance(init, FunctionType) and isinstance(step, FunctionType)):
-        raise StageError(f"stage {name} could not be written")
-    return init, step
+    function = namespace[name]
+    if not isinstance(function, FunctionType):
+        raise StageError(f"kernel {module}.{name} could not be written")
+    return function
 
 
 def _part_lines(part: Part, parts: Sequence[Part], input: Layout, last: bool) -> list[str]:

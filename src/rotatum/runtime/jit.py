@@ -106,7 +106,9 @@ def _compile(numba: Any, directory: Path, name: str, text: str, key: tuple[Any, 
         setattr(module, function, numba.njit(**inner)(getattr(module, function)))
     loops = []
     for loop, signature in signatures.items():
-        loops.append(numba.njit([numba.void(*signature)], cache=True, **options)(getattr(module, loop)))
+        loops.append(
+            numba.njit([numba.void(*signature)], cache=True, **options)(getattr(module, loop))
+        )
     return Loops(*loops)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from rotatum.record import Init, Layout, Step
+from rotatum.record import Hold, Init, Layout, Step
 
 
 class Stage(NamedTuple):
@@ -21,7 +21,8 @@ class Stage(NamedTuple):
         input: one sample of one joint.
         output: what a step writes.
         init, step: the kernels.
-        cites: keys of ``docs/reference/references.md``.
+        cites: keys of ``rotatum.report.references``.
+        hold: writes the last output again, without a sample; a stage behind a guard needs it.
     """
 
     name: str
@@ -32,3 +33,4 @@ class Stage(NamedTuple):
     init: Init
     step: Step
     cites: tuple[str, ...] = ()
+    hold: Hold | None = None
