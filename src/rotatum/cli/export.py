@@ -66,13 +66,13 @@ def c(
 
     check_folder(output)
 
-    from rotatum.cli.vector import chosen, group_of, holds_of, period_of, records, zeros_of
+    from rotatum.cli.vector import group_of, holds_of, period_of, records, zeros_of
     from rotatum.estimators import Estimator
     from rotatum.export import export_c
     from rotatum.logs import open_log
     from rotatum.models import load_device
 
-    robot = chosen(load_device(device), joint)
+    robot = load_device(device).only(joint)
     opened = open_log(log, robot) if log is not None else None
     with progress("exporting") as shown:
         loop = Estimator(

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rotatum.errors import MethodError
 from rotatum.estimators.estimator import CHANNELS, Estimator, Group, batch_records
+from rotatum.evaluation.run import log_names
 from rotatum.logs import Log, LogReader
 from rotatum.models import Device, Joint
 from rotatum.record import Records
 
-__all__ = ["SAMPLES", "chosen", "group_of", "holds_of", "period_of", "records", "zeros_of"]
+__all__ = ["SAMPLES", "group_of", "holds_of", "period_of", "records", "zeros_of"]
 
 SAMPLES = 100_000  # long enough for every window to fill and every verdict to be given
 _GAPS = ((7_000, 3), (9_000, 60))  # first missing sample and how many: bridged, and too long
@@ -22,28 +22,6 @@ _NOT_FINITE, _REPEATED = 11_000, 12_000
 _STIFFNESS, _RANGE = 100.0, 0.01  # N m/rad and rad, where the device does not say
 
 Array = NDArray[np.float64]
-
-
-def chosen(device: Device, names: Sequence[str] | None) -> Device:
-    """Return a device with only the joints asked for.
-
-    Parameters
-    ----------
-    device : with all of them.
-    names : of the joints wanted; None: all.
-
-    Raises
-    ------
-    MethodError if there is no such joint.
-    """
-    if not names:
-        return device
-    known = {joint.name: joint for joint in device.joints}
-    for name in names:
-        if name not in known:
-            what = "no such joint in the device"
-            raise MethodError(what, where=device.source, value=name, allowed=tuple(known))
-    return replace(device, joints=tuple(known[name] for name in dict.fromkeys(names)))
 
 
 def period_of(device: Device, asked: float | None, log: LogReader | None) -> float:
@@ -77,7 +55,7 @@ def zeros_of(device: Device, log: LogReader | None) -> dict[str, float]:
     wanted = [joint.name for joint in device.joints if joint.transmission.zero == "mean"]
     if log is None:
         return {}
-    return {name: log.mean_deflection(_log_joint(name, log, device)) for name in wanted}
+    return {name: log.mean_deflection(log_names(log, device)[name]) for name in wanted}
 
 
 def holds_of(device: Device, log: LogReader | None) -> dict[str, Mapping[str, str]] | None:
@@ -90,7 +68,7 @@ def holds_of(device: Device, log: LogReader | None) -> dict[str, Mapping[str, st
     """
     if log is None:
         return None
-    return {j.name: log.holds.get(_log_joint(j.name, log, device), {}) for j in device.joints}
+    return {j.name: log.holds.get(log_names(log, device)[j.name], {}) for j in device.joints}
 
 
 def group_of(loop: Estimator) -> Group:
@@ -135,7 +113,7 @@ def records(loop: Estimator, group: Group, log: LogReader | None) -> Records:
     else:
         pieces = list(log)
         made = [
-            _logged(pieces, _log_joint(prepared.joint.name, log, loop.device), group, log.source)
+            _logged(pieces, log_names(log, loop.device)[prepared.joint.name], group, log.source)
             for prepared in group.prepared
         ]
         time = _again(np.concatenate([piece.time for piece in pieces]), loop.period)
@@ -144,12 +122,6 @@ def records(loop: Estimator, group: Group, log: LogReader | None) -> Records:
         for field in ("q", "theta", group.torque_field):
             u[field][:, place] = channels[field]
     return u
-
-
-def _log_joint(name: str, log: LogReader, device: Device) -> str:
-    if len(device.joints) == 1 and len(log.roles) == 1:
-        return next(iter(log.roles))
-    return name
 
 
 def _logged(pieces: list[Log], joint: str, group: Group, source: str) -> dict[str, Array]:

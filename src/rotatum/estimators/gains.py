@@ -49,7 +49,7 @@ def noise_gain(pole: float, order: int, period: float) -> float:
         order: 0, 1 or 2.
         period: T, s.
     """
-    taps = ((1.0,), (0.5 / period, 0.0, -0.5 / period), (1.0, -2.0, 1.0))[order]
+    taps: tuple[float, ...] = ((1.0,), (0.5 / period, 0.0, -0.5 / period), (1.0, -2.0, 1.0))[order]
     if order == 2:
         taps = tuple(t / period**2 for t in taps)
     first = second = total = peak = 0.0

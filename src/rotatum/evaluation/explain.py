@@ -18,7 +18,8 @@ def reason(reading: Records, prepared: Prepared) -> str:
     """
     verdict, status = int(reading["verdict"]), int(reading["status"])
     sigma, half = float(reading["stiffness"]), 1.96 * float(reading["stiffness_std"])
-    interval = f"{sigma:.4g} +- {half:.2g} N m/rad"
+    unit = prepared.joint.torque_unit(prepared.settings.torque)
+    interval = f"{sigma:.4g} +- {half:.2g} {unit}/rad"
     relative = f", {100.0 * half / abs(sigma):.1f} %" if sigma else ""
     if verdict == INFORMATIVE:
         return f"informative: {interval}{relative}, narrow for at least a second"
@@ -65,20 +66,25 @@ def zero_warning(
     if "offset" not in fitted or basis.orders < 2 or basis.full or sigma <= 0.0:
         return []
     offset, std = fitted["offset"]
+    unit = prepared.joint.torque_unit(prepared.settings.torque)
     shift, limit = offset / sigma, 0.01 * (basis.deflection_range or 0.01)
     if abs(offset) < 3.0 * std or abs(shift) < limit:
         return []
     return [
-        f"joint {name}: the fitted offset of {offset:.3g} N m may be a zero of the deflection that "
-        f"is off by {1e3 * shift:.2g} mrad; odd powers about a wrong zero bend the wrong way: give "
-        "[transmission] zero, start the log at rest, or use full = true"
+        f"joint {name}: the fitted offset of {offset:.3g} {unit} may be a zero of the deflection "
+        f"that is off by {1e3 * shift:.2g} mrad; odd powers about a wrong zero bend the wrong "
+        "way: give [transmission] zero, start the log at rest, or use full = true"
     ]
 
 
 def skew_warning(
-    name: str, fitted: Mapping[str, tuple[float, float]], sigma: float, gear_ratio: float
+    name: str, prepared: Prepared, fitted: Mapping[str, tuple[float, float]], sigma: float
 ) -> list[str]:
     """From the motor side a skew of the encoders and viscous friction are one column: say both."""
+    motor = prepared.joint.motors[0] if prepared.joint.motors else None
+    if motor is None or prepared.settings.torque == "sensor":
+        return []
+    gear_ratio = motor.gear_ratio
     if "skew" in fitted:
         skew, std = fitted["skew"]
         damping = -skew * sigma / gear_ratio**2

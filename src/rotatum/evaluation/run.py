@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from rotatum.errors import MethodError
 from rotatum.estimators.estimator import CHANNELS, Estimator, Group, batch_records
+from rotatum.estimators.settings import Request, settle
 from rotatum.evaluation.estimate import Estimate, JointEstimate
 from rotatum.evaluation.explain import reason, sample_warnings, skew_warning, zero_warning
 from rotatum.evaluation.fitted import fitted_quantities
@@ -69,8 +70,11 @@ def estimate(
         LogError: the log cannot be read to its end.
         OutputError: ``output`` cannot be written; no partial file is left.
     """
-    device = _chosen(device, joints)
-    names = _log_names(log, device)
+    device = device.only(joints)
+    names = log_names(log, device)
+    columns = None if fit is None else tuple(fit)
+    request = Request(method, side, torque, cutoff, columns, forgetting, solver)
+    _check_channels(log, device, request, names)
     zeros = _mean_zeros(log, device, names)
     holds = {j.name: log.holds.get(names[j.name], {}) for j in device.joints}
     loop = Estimator(
@@ -86,7 +90,6 @@ def estimate(
         holds=holds,
         zeros=zeros,
     )
-    _check_channels(log, loop, names)
     expected = log.samples
     summaries = {j.name: Summary(start, len(device.joints)) for j in device.joints}
     seconds = _run(log, loop, names, summaries, output, progress, expected)
@@ -155,27 +158,18 @@ def _pieces(log: Log | LogReader) -> Iterable[Log]:
     return (log,) if isinstance(log, Log) else log
 
 
-def _chosen(device: Device, joints: Sequence[str] | None) -> Device:
-    if joints is None:
-        return device
-    known = {j.name: j for j in device.joints}
-    for name in joints:
-        if name not in known:
-            raise MethodError(
-                "no such joint in the device", where=device.source, value=name, allowed=tuple(known)
-            )
-    chosen = tuple(known[name] for name in joints)
-    return Device(name=device.name, joints=chosen, source=device.source, time=device.time)
-
-
 def _log_roles(log: Log | LogReader) -> dict[str, tuple[str, ...]]:
     if isinstance(log, Log):
         return {joint: tuple(roles) for joint, roles in log.joints.items()}
     return dict(log.roles)
 
 
-def _log_names(log: Log | LogReader, device: Device) -> dict[str, str]:
-    """Device joint to log joint: by name, or the only one of each."""
+def log_names(log: Log | LogReader, device: Device) -> dict[str, str]:
+    """Device joint to log joint: by name, or the only one of each.
+
+    Raises:
+        MethodError: the log lacks a joint of the device.
+    """
     found = _log_roles(log)
     if len(device.joints) == 1 and len(found) == 1:
         return {device.joints[0].name: next(iter(found))}
@@ -208,16 +202,19 @@ def _mean_zeros(log: Log | LogReader, device: Device, names: Mapping[str, str]) 
     return zeros
 
 
-def _check_channels(log: Log | LogReader, loop: Estimator, names: Mapping[str, str]) -> None:
+def _check_channels(
+    log: Log | LogReader, device: Device, request: Request, names: Mapping[str, str]
+) -> None:
     roles = _log_roles(log)
-    for prepared in loop.prepared:
-        needed = ("q", "theta", CHANNELS[prepared.settings.torque])
-        has = roles[names[prepared.joint.name]]
+    for joint in device.joints:
+        settings = settle(joint, device, log.period, request)
+        needed = ("q", "theta", CHANNELS[settings.torque])
+        has = roles[names[joint.name]]
         missing = [role for role in needed if role not in has]
         if missing:
             raise MethodError(
-                f"method {prepared.settings.method} with {prepared.settings.torque} torque lacks "
-                f"the channel {', '.join(missing)} of joint {prepared.joint.name}",
+                f"method {settings.method} with {settings.torque} torque lacks the channel "
+                f"{', '.join(missing)} of joint {joint.name}",
                 where=log.source,
                 allowed=f"needs {', '.join(needed)}; the log has {', '.join(has)}",
             )
@@ -236,9 +233,8 @@ def _collect(
         joint = _joint(summary, loop, name, nanoseconds)
         joints[name] = joint
         warnings += sample_warnings(name, joint.samples, samples)
-        gear = prepared.joint.motors[0].gear_ratio if prepared.joint.motors else 1.0
         warnings += zero_warning(name, prepared, joint.fitted, joint.stiffness["final"])
-        warnings += skew_warning(name, joint.fitted, joint.stiffness["final"], gear)
+        warnings += skew_warning(name, prepared, joint.fitted, joint.stiffness["final"])
     first = loop.prepared[0].settings
     times = next(j.records["time"] for j in joints.values())
     good = times[np.isfinite(times)]

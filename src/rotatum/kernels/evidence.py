@@ -243,7 +243,7 @@ def anchoring(state: Any) -> float:
     level = state.variance * state.inflation
     if state.evaluated < SETTLED or level <= 1.01 * state.anchored:
         return 0.0
-    more = level - state.anchored
+    more: float = level - state.anchored
     state.anchored = level
     return more
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -37,6 +37,26 @@ class Device:
     joints: tuple[Joint, ...]
     source: str
     time: Channel | None = None
+
+    def only(self, names: Sequence[str] | None) -> Device:
+        """Return the device with only these joints; None or nothing: all.
+
+        Raises
+        ------
+        DeviceError if there is no such joint; it suggests the nearest.
+        """
+        if not names:
+            return self
+        known = {joint.name: joint for joint in self.joints}
+        for name in names:
+            if name not in known:
+                close = nearest(name, known)
+                hint = f'Did you mean "{close}"?' if close else None
+                what = "no such joint in the device"
+                raise DeviceError(
+                    what, where=self.source, value=name, allowed=tuple(known), hint=hint
+                )
+        return replace(self, joints=tuple(known[name] for name in dict.fromkeys(names)))
 
     @property
     def period(self) -> float | None:

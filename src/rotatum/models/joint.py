@@ -82,6 +82,18 @@ class Joint(Table):
         """Quantities a log can hold for a joint of this actuation."""
         return ROLES[self.actuation]
 
+    def torque_unit(self, torque: str) -> str:
+        """Return the unit torques come out in: "A" where the channel is a current, else "N m".
+
+        Parameters
+        ----------
+        torque : their source, "estimated" or "sensor".
+        """
+        channel = self.channels.get("torque_measured" if torque == "sensor" else "tau")
+        if channel is None or channel.unit is None:
+            return "N m"
+        return "A" if find_unit(channel.unit, "torque").name in ("A", "mA") else "N m"
+
     def gear_ratio(self, role: str) -> float:
         """Return the gear ratio between the motor a role belongs to and the joint."""
         motor = MOTOR_SIDE_ROLES[role]

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from rotatum.evaluation import Estimate, JointEstimate
 from rotatum.kernels.status import PRIOR, SETTLING
-from rotatum.models import Joint, find_unit
+from rotatum.models import Joint
 
-__all__ = ["View", "torque_unit", "view"]
+__all__ = ["View", "view"]
 
 Array = NDArray[np.float64]
 
@@ -133,19 +133,5 @@ def view(estimate: Estimate, joint: str) -> View:
     finite = np.flatnonzero(np.isfinite(time))
     latest = np.maximum.accumulate(time[finite])
     later = np.concatenate([[True], np.diff(latest) > 0.0])
-    unit = torque_unit(described, estimate.torque)
+    unit = described.torque_unit(estimate.torque)
     return View(found, described, unit, finite[later[: len(finite)]])
-
-
-def torque_unit(joint: Joint, torque: str) -> str:
-    """Return the unit torques come out in: "A" where the channel is a current, else "N m".
-
-    Parameters
-    ----------
-    joint : as the device describes it.
-    torque : source of the torque, "estimated" or "sensor".
-    """
-    channel = joint.channels.get("torque_measured" if torque == "sensor" else "tau")
-    if channel is None or channel.unit is None:
-        return "N m"
-    return "A" if find_unit(channel.unit, "torque").name in ("A", "mA") else "N m"

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 from rotatum.evaluation import Estimate, JointEstimate
 from rotatum.models import Joint
-from rotatum.report.view import torque_unit
 
 __all__ = ["Line", "answer", "fitted_unit", "lines", "measure", "number"]
 
@@ -85,7 +84,7 @@ def fitted_unit(name: str, estimate: Estimate, joint: Joint) -> str:
     estimate : it is of.
     joint : as the device describes it.
     """
-    unit = torque_unit(joint, estimate.torque)
+    unit = joint.torque_unit(estimate.torque)
     if name == "inertia" and unit != "N m":
         return f"{unit} s^2/rad"
     return _FITTED_UNITS.get(name, "").format(unit)
@@ -148,5 +147,5 @@ def _line(found: JointEstimate, unit: str, stiffness_unit: str) -> Line:
 
 def _units(estimate: Estimate, found: JointEstimate) -> Sequence[str]:
     joint = next(j for j in estimate.device.joints if j.name == found.name)
-    unit = torque_unit(joint, estimate.torque)
+    unit = joint.torque_unit(estimate.torque)
     return unit, f"{unit}/rad"

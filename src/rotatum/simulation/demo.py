@@ -61,7 +61,8 @@ def demo_log(seed: int = 0) -> tuple[Device, Log]:
     """Return a series-elastic joint and 20 s of its log at 1 kHz, with known truth.
 
     A large slow swing (0.15 Hz) carries the spring over its range, a multisine of 0.5-10 Hz shakes
-    it on the way, after a tenth of a second at rest. Encoders are quantised, torques 1.5 % noisy, motor and link rub.
+    it on the way, after a tenth of a second at rest. Encoders are quantised, torques 1.5 % noisy,
+    motor and link rub.
 
     Parameters
     ----------
