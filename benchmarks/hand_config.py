@@ -56,7 +56,6 @@ FIXED: dict[str, list[float]] = {
     "inner.evidence.noise.1": [0.0],
     "inner.evidence.noise.2": [0.0],
     "inner.evidence.noise.3": [0.0],
-    "inner.evidence.terms": [3],
 }
 
 

@@ -31,9 +31,7 @@ def test_bench_at_any_cutoff(project: Path, shared_data: Find, cutoff: float) ->
 
 
 @pytest.mark.parametrize("fit", [("inertia", "damping"), ("inertia", "damping", "offset")])
-def test_bench_with_inertia_fitted(
-    project: Path, shared_data: Find, fit: tuple[str, ...]
-) -> None:
+def test_bench_with_inertia_fitted(project: Path, shared_data: Find, fit: tuple[str, ...]) -> None:
     joint = one(run(project, shared_data(BENCH), "utokyo-two-inertia", fit=fit))
     assert 530.0 <= joint.stiffness["final"] <= 560.0
     # Of the frequency response's 4.76e-3 A s^2/rad.
@@ -46,8 +44,14 @@ def test_bench_residual_is_biased_and_says_so(
     project: Path, shared_data: Find, fit: tuple[str, ...]
 ) -> None:
     joint = one(
-        run(project, shared_data(BENCH), "utokyo-two-inertia", method="residual", cutoff=300.0,
-            fit=fit)
+        run(
+            project,
+            shared_data(BENCH),
+            "utokyo-two-inertia",
+            method="residual",
+            cutoff=300.0,
+            fit=fit,
+        )
     )
     assert joint.stiffness["final"] < 300.0
     assert joint.verdict == "inconsistent"

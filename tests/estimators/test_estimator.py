@@ -91,8 +91,12 @@ def test_two_joints_of_different_shape() -> None:
             "name": "arm",
             "joint": [
                 {"name": "a", **JOINT},
-                {"name": "b", **JOINT, "basis": {"deflection_range": 0.1, "orders": 2},
-                 "estimator": {"fit": ["coulomb", "offset"]}},
+                {
+                    "name": "b",
+                    **JOINT,
+                    "basis": {"deflection_range": 0.1, "orders": 2},
+                    "estimator": {"fit": ["coulomb", "offset"]},
+                },
             ],
         },
         "test",

@@ -21,14 +21,14 @@ class RowBank:
     def __init__(
         self, joints: int = 1, *, terms: int = 1, lag: int = 3, **evidence: float | list[float]
     ) -> None:
-        self.stage = stiffness_stage(given_rows(2), UD, columns=2)
+        self.stage = stiffness_stage(given_rows(2), UD, terms=terms, columns=2)
         params = self.stage.params.zeros(joints)
         params["solver"]["forgetting"] = params["solver"]["variance"] = 1.0
         params["solver"]["spread"] = params["evidence"]["spread"] = 1e8
         settings = {"forgetting": 1.0, "memory": 1.0, "bias": 0.02, **evidence}
         for name, value in settings.items():
             params["evidence"][name] = value
-        params["evidence"]["terms"], params["evidence"]["lag"] = terms, lag
+        params["evidence"]["lag"] = lag
         params["sums"]["shortest"] = SHORTEST
         params["sums"]["fade"] = params["sums"]["fade_single"] = 1.0
         readout = params["readout"]

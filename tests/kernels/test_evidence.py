@@ -138,8 +138,8 @@ def test_noise_in_a_column_is_bounded_by_what_it_does():
 
 
 def test_probes_are_sums_over_rows_that_are_adjacent():
-    # Once settled, 400 rows, then the filters start anew, then 300: nothing reaches across the cut.
-    start, cut, end, lag = 2000, 2400, 2700, 3
+    # Once settled, 400 rows, then the filters start anew, then 304: nothing reaches across the cut.
+    start, cut, end, lag = 2000, 2400, 2705, 3  # whole blocks
     rng, R = rows(65, end)
     y = R @ TRUTH + 0.5 * rng.standard_normal((end, 1))
     bank = RowBank(lag=lag)
@@ -161,7 +161,7 @@ def test_probes_are_sums_over_rows_that_are_adjacent():
     # Residuals of the recursion and of its output differ by rounding, relative to y = 100.
     np.testing.assert_allclose(after["probe"] - before["probe"], probe, rtol=0.0, atol=1e-6)
     np.testing.assert_allclose(after["probe2"] - before["probe2"], probe2, rtol=1e-9)
-    assert after["weight"] - before["weight"] == 400 + 300 - 1 - 2 * lag
+    assert after["weight"] - before["weight"] == 400 + 304 - 2 * lag
 
 
 def test_the_first_wild_coefficients_do_not_outweigh_later_ones():

@@ -40,7 +40,7 @@ class Judge:
         self.row = SimpleNamespace(D=[2.0], status=0)
         self.time = 0.0
 
-    def __call__(self, relative, *, stiffness=100.0, spread=1.0):
+    def __call__(self, relative, *, stiffness=100.0, spread=1.0, counted=1):
         """Verdict and status for half an interval of ``relative`` times the stiffness."""
         out = SimpleNamespace(stiffness=stiffness, stiffness_std=relative * abs(stiffness) / 1.96)
         self.time += T
@@ -52,6 +52,7 @@ class Judge:
             self.row,
             spread,
             self.time,
+            counted,
             out,
         )
         self.out = out
@@ -94,6 +95,15 @@ def test_an_interruption_begins_the_wait_for_convergence_again():
         judge(relative)
     # Informative at samples 4-6, then from sample 11 (t = 2.75 s) on.
     assert (judge.out.converged, judge.out.converged_at) == (1, 2.75)
+
+
+def test_a_repeated_reading_is_not_counted():
+    judge = Judge()
+    for _ in range(3):
+        judge(0.09)
+    for _ in range(20):  # samples refused by the guard: the last output again
+        assert judge(0.09, counted=0)[0] == CONVERGING
+    assert judge(0.09)[0] == INFORMATIVE
 
 
 def test_starved_while_the_prior_is_hardly_narrowed():
@@ -201,12 +211,17 @@ def test_every_bit_has_one_name_and_one_place():
 
 def test_deviations_are_those_of_the_read_out():
     state = SimpleNamespace(
-        inflation=2.0, variance=0.25, deflection=0.1, shift=3.0, **{STDS: [0.3]}
+        inflation=2.0,
+        variance=0.25,
+        noise=0.5,
+        deflection=0.1,
+        relative2=0.2**2,  # 0.02 rad of 0.1 rad
+        shift=3.0,
+        **{STDS: [0.3]},
     )
-    settings = SimpleNamespace(accuracy=0.02)
     out = SimpleNamespace(stiffness=50.0, torque=4.0, coefficients_std=[0.0])
-    readout.deviations(state, settings, 8.0, 0.5, out)
-    relative = 0.2**2  # 0.02 / 0.1
+    readout.deviations(state, 8.0, 0.5, out)
+    relative = 0.2**2
     variance = 2 * 0.25 * 8.0 + 50.0**2 * relative + 3.0**2
     assert out.stiffness_std == pytest.approx(math.sqrt(variance))
     assert out.torque_std == pytest.approx(math.sqrt(2 * 0.25 * 0.5 + 4.0**2 * relative))

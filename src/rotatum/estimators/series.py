@@ -61,7 +61,9 @@ KERNELS: dict[tuple[str, str], tuple[Any, Any, tuple[str, ...]]] = {
 @lru_cache(maxsize=64)
 def series_stage(shape: Shape) -> Stage:
     """The whole estimator of a series joint: guard, rows, solver, evidence, read-out."""
-    inner = stiffness_stage(rows_stage(shape), SOLVERS[shape.solver], columns=shape.columns)
+    inner = stiffness_stage(
+        rows_stage(shape), SOLVERS[shape.solver], terms=shape.terms, columns=shape.columns
+    )
     torque = "torque" if shape.torque == "sensor" else "tau"
     return guarded(inner, ("q", "theta", torque))
 

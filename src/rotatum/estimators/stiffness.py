@@ -48,7 +48,7 @@ if state.row.fresh != 0:
     evidence_cut(state.evidence)
 if state.row.valid != 0:
     solver_update(params.solver, state.solver, state.row.R, state.row.y)
-    evidence_add(params.evidence, state.evidence, state.sums, state.row, state.solver)
+    evidence_add(params.evidence, state.evidence, state.sums, state.row, state.solver, {b})
     if evidence_due(params.evidence, state.evidence, state.sums, params.sums, {p}) != 0:
         evidence_noise_level(state.evidence)
         readout_read(state.row, state.solver.alpha, out)
@@ -94,7 +94,7 @@ if level > 0.0:
             solver_anchor(state.solver, i, 0.0, params.evidence.known[i] / level)"""
 
 
-def stiffness_stage(rows_stage: Stage, solver: Solver, *, columns: int) -> Stage:
+def stiffness_stage(rows_stage: Stage, solver: Solver, *, terms: int, columns: int) -> Stage:
     """Compose rows -> solver -> evidence -> read-out into one stage whose output is ``Reading``.
 
     A new method is one new rows stage: it turns samples into ``Row`` records and knows no solver.
@@ -102,7 +102,8 @@ def stiffness_stage(rows_stage: Stage, solver: Solver, *, columns: int) -> Stage
     Args:
         rows_stage: writes ``Row`` records of ``columns`` regressors.
         solver: ``UD`` or ``COVARIANCE``.
-        columns: number of regressors, basis first.
+        terms: number of regressors that are the basis, the first ones.
+        columns: number of regressors.
     """
     p = columns
     probes = evidence.PROBES
@@ -128,12 +129,16 @@ def stiffness_stage(rows_stage: Stage, solver: Solver, *, columns: int) -> Stage
     ]
 
     def write(signature: str, lines: str) -> Any:
-        return write_function(signature, name, doc, lines.format(p=p).splitlines(), kernels)
+        return write_function(
+            signature, name, doc, lines.format(p=p, b=terms).splitlines(), kernels
+        )
 
     kernels["renew"] = write("renew(params, state)", RENEW)
     kernels["tell"] = write("tell(params, state, time, counted, out)", TELL)
     hold = write("hold(params, state, out)", "tell(params, state, 0.0, 0, out)")
-    init, step = write_kernels(name, doc, init_lines, STEP.format(p=p).splitlines(), kernels)
+    init, step = write_kernels(
+        name, doc, init_lines, STEP.format(p=p, b=terms).splitlines(), kernels
+    )
     cites = tuple(dict.fromkeys((*rows_stage.cites, *solver.cites)))
     output = readout.Reading.layout(p=p)
     return Stage(name, params, state, rows_stage.input, output, init, step, cites, hold)

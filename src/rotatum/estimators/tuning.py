@@ -278,7 +278,6 @@ def _solver(
     evidence["spread"][:] = PRIOR
     evidence["forgetting"] = settings.forgetting
     evidence["memory"] = math.exp(-BLOCK * period / MEMORY)
-    evidence["terms"] = len(powers)
     evidence["lag"] = min(31, max(1, round(0.25 / (settings.cutoff * period))))
     evidence["accuracy"] = joint.encoders.accuracy or 0.0
     noise, base = _column_noise(joint, settings, period, scales)

@@ -23,7 +23,7 @@ def header(stage: Stage, inference: Inference, structs: Structs) -> str:
     cites = f"\n * After: {plain(', '.join(stage.cites))}." if stage.cites else ""
     parts = [
         f"/* Stage {stage.name}, written by rotatum.{cites}\n"
-        " * SI units; fields name theirs. Compile with -ffp-contract=off. */",
+        " * SI units; fields name theirs. Compile with -ffp-contract=off -frounding-math. */",
         f"#ifndef {guard}\n#define {guard}",
         "#include <stdint.h>",
         '#ifdef __cplusplus\nextern "C" {\n#endif',

@@ -122,7 +122,7 @@ class _Checker(ast.NodeVisitor):
     def visit_BinOp(self, node: ast.BinOp) -> None:
         self._operator(node, node.op)
         if isinstance(node.op, (ast.Add, ast.Sub)) and (_zero(node.left) or _zero(node.right)):
-            # GCC 12 makes -fabs(x) out of 0.0 - fabs(x): a zero of the other sign.
+            # GCC 12 makes -fabs(x) out of 0.0 - fabs(x), should a user leave out our flags.
             self.report(node, "0.0 in a sum", "compilers drop it and lose the sign of a zero")
         self.visit(node.left)
         self.visit(node.right)

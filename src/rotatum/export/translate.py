@@ -38,8 +38,8 @@ def translate(stage: Stage) -> CSource:
     """Translate a stage to C99.
 
     ``NAME_init(params, state)`` and ``NAME_step(params, state, u, out)`` compute what the kernels
-    compute, bit for bit on one machine's libm, given a compiler that does not contract
-    (``-ffp-contract=off``) or reorder floating-point operations.
+    compute, bit for bit on one machine's libm, given a compiler that neither contracts nor
+    reorders floating-point operations: see ``compiler.FLAGS``.
 
     Raises:
         SubsetError: a kernel leaves the exportable subset.
@@ -77,7 +77,7 @@ def _function(
     if name == f"{stage}_step":
         head = c_functions.entry_prototype(instance, stage)
     else:
-        head = f"static {c_functions.prototype(instance, name, structs)}"
+        head = f"static inline {c_functions.prototype(instance, name, structs)}"
     return f"{_note(instance, flat)}{head}\n{c_functions.body(instance, structs, names)}"
 
 

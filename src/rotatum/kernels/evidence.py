@@ -27,7 +27,6 @@ class EvidenceParams(Record):
 
     forgetting = number("the solver's", symbol="lambda")
     memory = number("weight of a block of level 0 in the tests relative to the next one")
-    terms = integer("columns that belong to the spring, the first ones")
     lag = integer("samples between the residual tested and the torque on either side of it")
     common = number(
         "covariance of residual and acceleration that encoder noise gives them", unit="N m rad/s^2"
@@ -96,12 +95,12 @@ def cut(state: Any) -> None:
         state.open[i] = 0.0
 
 
-def add(params: Any, state: Any, sums: Any, row: Any, solver: Any) -> None:
+def add(params: Any, state: Any, sums: Any, row: Any, solver: Any, terms: int) -> None:
     """Take the row just absorbed by the solver.
 
     The squared residuals add up to ``sum e(k)^2 / (1 + rho(k))``, exactly the least-squares
     objective; scores use the residual after the update, so that the first rows, whose innovation
-    is the whole torque, do not drown the rest.
+    is the whole torque, do not drown the rest. The first ``terms`` columns are the spring's.
     """
     shrink = 1.0 / (1.0 + solver.leverage)
     state.squares = params.forgetting * state.squares
@@ -112,7 +111,7 @@ def add(params: Any, state: Any, sums: Any, row: Any, solver: Any) -> None:
     p = len(row.R)
     for i in range(p):
         sums.part[i] = sums.part[i] + e * row.R[i]
-    for i in range(params.terms):
+    for i in range(terms):
         f = f + row.R[i] * solver.alpha[i]
     state.e[state.head] = e
     state.f[state.head] = f

@@ -101,7 +101,13 @@ def _compile(numba: Any, directory: Path, name: str, text: str, key: tuple[Any, 
     }
     options = {"nogil": True, "error_model": "numpy", "fastmath": False}
     # Kernels are called by kernels only, and their code is in the driver's: no wrapper, no cache.
-    inner = {**options, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    # Inlined, the sizes of fields are constants and loops unroll: twice as fast, same bits.
+    inner = {
+        **options,
+        "no_cpython_wrapper": True,
+        "no_cfunc_wrapper": True,
+        "forceinline": True,
+    }
     for function in [n for n in vars(module) if callable(vars(module)[n]) and n not in signatures]:
         setattr(module, function, numba.njit(**inner)(getattr(module, function)))
     loops = []

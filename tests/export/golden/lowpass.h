@@ -1,5 +1,5 @@
 /* Stage lowpass, written by rotatum.
- * SI units; fields name theirs. Compile with -ffp-contract=off. */
+ * SI units; fields name theirs. Compile with -ffp-contract=off -frounding-math. */
 
 #ifndef LOWPASS_H
 #define LOWPASS_H
