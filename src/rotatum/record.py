@@ -135,6 +135,11 @@ class Record:
                 "each >= 1",
                 value=sizes,
             )
+        taken = [n for n in cls.fields() if hasattr(np.record, n)]
+        if taken:
+            raise LayoutError(
+                f"record {cls.__name__} has fields whose names numpy's records use", value=taken
+            )
         strangers = [n for n in vars(cls) if not n.startswith("__") and n not in cls.fields()]
         if strangers:
             raise LayoutError(f"record {cls.__name__} may hold fields only", value=strangers)

@@ -229,4 +229,4 @@ def test_deviations_are_those_of_the_read_out():
     assert np.array_equal(out.coefficients_std, [0.3])
 
 
-STDS = next(n for n, f in evidence.EvidenceState.fields().items() if f.doc.startswith("standard"))
+STDS = next(n for n, f in evidence.EvidenceState.fields().items() if "each coefficient" in f.doc)

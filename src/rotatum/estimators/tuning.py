@@ -287,13 +287,13 @@ def _solver(
     inertia = joint.motors[0].reflected_inertia if joint.motors else None
     if inertia is not None and settings.torque == "estimated" and "inertia" not in settings.fit:
         evidence["common"] = inertia.value * noise["inertia"]
-    evidence["base"][len(powers) :] = [base.get(name, 0.0) for name in settings.fit]
+    evidence["given"][len(powers) :] = [base.get(name, 0.0) for name in settings.fit]
     evidence["bias"] = BIAS
     evidence["known"][len(powers) :] = [
         (_known_std(joint, name) * scale) ** 2
         for name, scale in zip(settings.fit, scales, strict=True)
     ]
-    sums["base"] = BLOCK
+    sums["shortest"] = BLOCK
     lengths = [BLOCK * 2.0**k for k in range(LEVELS)]
     sums["fade"][:] = [settings.forgetting ** (2.0 * n) for n in lengths]
     sums["fade_single"][:] = [math.exp(-2.0 * n * period / MEMORY) for n in lengths]

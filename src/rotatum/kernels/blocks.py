@@ -1,6 +1,6 @@
 """Sums over blocks of doubling length: how much a mean of coloured terms really varies.
 
-Terms are added one at a time; level 0 sums ``base`` of them, level k twice as many as level
+Terms are added one at a time; level 0 sums ``shortest`` of them, level k twice as many as level
 k - 1. Squares of block sums, averaged, grow with the block until it is longer than the terms'
 memory. The largest level with enough blocks therefore says what the sum's variance is, whatever
 the colour (batch means; Flyvbjerg and Petersen 1989).
@@ -18,7 +18,7 @@ ENOUGH = 8.0  # blocks a level needs before it is believed
 class BlockParams(Record):
     """Length of the shortest block and how fast old ones fade."""
 
-    base = integer("terms in a block of level 0")
+    shortest = integer("terms in a block of level 0")
     fade = vector("L", "weight of a block's square relative to the next one's, per level")
     fade_single = vector("L", "the same for the terms after the first v, which fade sooner")
 

@@ -35,7 +35,7 @@ class EvidenceParams(Record):
     bias = number("relative error of the stiffness from which a model may be called wrong")
     spread = vector("p", "prior variance", unit="(N m)^2", symbol="P(0)")
     noise = vector("p", "variance of the encoders' noise in each column")
-    base = vector("p", "what the coefficient adds to, in y already", unit="N m")
+    given = vector("p", "what the coefficient adds to, in y already", unit="N m")
     known = vector(
         "p", "variance of what the device file says of a column, 0: nothing", unit="(N m)^2"
     )
@@ -58,7 +58,7 @@ class EvidenceState(Record):
     shift = number("how far the encoders' noise may have moved the stiffness", unit="N m/rad")
     direction = vector("p", "P times the read-out direction")
     unit = vector("p", "scratch: a unit vector")
-    std = vector("p", "standard deviation of each coefficient", unit="N m")
+    deviation = vector("p", "standard deviation of each coefficient", unit="N m")
     turn = integer("coefficient whose standard deviation is renewed next")
     e = vector(RING, "recent residuals", unit="N m")
     f = vector(RING, "recent fitted elastic torques", unit="N m")
@@ -167,7 +167,7 @@ def fold(params: Any, state: Any, sums: Any, p: int) -> None:
 
 def due(params: Any, state: Any, sums: Any, block_params: Any, p: int) -> int:
     """Close a full block; returns 1 when it is time to evaluate."""
-    if sums.filled < block_params.base:
+    if sums.filled < block_params.shortest:
         return 0
     fold(params, state, sums, p)
     blocks.close(block_params, sums, p)
@@ -179,7 +179,7 @@ def due(params: Any, state: Any, sums: Any, block_params: Any, p: int) -> int:
 
 def noise_level(state: Any) -> None:
     """``s^2 = J / (n - p)`` with J the sum of squared residuals."""
-    free = state.rows - len(state.std)
+    free = state.rows - len(state.deviation)
     if free > 0.0:
         state.variance = state.squares / free
 
@@ -212,11 +212,11 @@ def _shift(params: Any, state: Any, alpha: Any) -> float:
     """Bound of the bias along ``direction`` from noise in the columns themselves.
 
     Noise of variance v in a column attenuates its coefficient: to first order least squares is
-    off by ``-P n v (base + alpha)``; ``base`` because y carries the same noise times what is known.
+    off by ``-P n v (given + alpha)``; ``given`` because y carries the same noise times what is known.
     """
     total = 0.0
     for j in range(len(state.direction)):
-        pull = state.rows * params.noise[j] * (params.base[j] + alpha[j])
+        pull = state.rows * params.noise[j] * (params.given[j] + alpha[j])
         total = total + math.fabs(state.direction[j] * pull)
     return total
 
@@ -229,7 +229,7 @@ def coefficient(params: Any, state: Any, sums: Any, alpha: Any, j: int) -> None:
     if worst > own:
         own = worst
     shift = _shift(params, state, alpha)
-    state.std[j] = math.sqrt(own + shift * shift)
+    state.deviation[j] = math.sqrt(own + shift * shift)
 
 
 def anchoring(state: Any) -> float:

@@ -20,7 +20,7 @@ class KinematicParams(Record):
     acceleration = number("variance of the acceleration", unit="rad^2/s^4", symbol="V_a")
     largest = number("measurement variance at rest", unit="rad^2", symbol="V_max")
     smallest = number("measurement variance at speed", unit="rad^2", symbol="V_min")
-    shape = number("steepness of the change between the two", symbol="alpha")
+    steepness = number("steepness of the change between the two", symbol="alpha")
     count_speed = number("one encoder count per sample", unit="rad/s", symbol="w_s")
 
 
@@ -73,7 +73,7 @@ def observe(params: Any, state: Any, z: float) -> None:
 def _modified(params: Any, state: Any, ahead: float, e: float) -> None:
     T = params.period
     V = params.acceleration
-    exponent = (math.fabs(state.velocity) / params.count_speed - 1.0) * params.shape
+    exponent = (math.fabs(state.velocity) / params.count_speed - 1.0) * params.steepness
     if exponent > 500.0:
         exponent = 500.0
     R = (params.largest - params.smallest) / (1.0 + math.exp(exponent)) + params.smallest

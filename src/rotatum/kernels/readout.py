@@ -105,8 +105,8 @@ def deviations(evidence: Any, sigma_spread: float, torque_spread: float, out: An
     out.noise = evidence.noise
     out.inflation = evidence.inflation
     out.informative_deflection = evidence.deflection
-    for i in range(len(evidence.std)):
-        out.coefficients_std[i] = evidence.std[i]
+    for i in range(len(evidence.deviation)):
+        out.coefficients_std[i] = evidence.deviation[i]
 
 
 def decide(
