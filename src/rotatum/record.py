@@ -79,6 +79,11 @@ class Layout:
 
     def __post_init__(self) -> None:
         """Make the dtype."""
+        taken = [name for name in self.fields if hasattr(np.record, name)]
+        if taken:
+            raise LayoutError(
+                f"record {self.name} has fields whose names numpy's records use", value=taken
+            )
         scalar = {"float": np.dtype(np.float64), "int": np.dtype(np.int64)}
         rows = [
             (
@@ -134,11 +139,6 @@ class Record:
                 f"record {cls.__name__} needs the sizes {', '.join(cls.dims()) or '(none)'}, "
                 "each >= 1",
                 value=sizes,
-            )
-        taken = [n for n in cls.fields() if hasattr(np.record, n)]
-        if taken:
-            raise LayoutError(
-                f"record {cls.__name__} has fields whose names numpy's records use", value=taken
             )
         strangers = [n for n in vars(cls) if not n.startswith("__") and n not in cls.fields()]
         if strangers:

@@ -212,7 +212,8 @@ def _shift(params: Any, state: Any, alpha: Any) -> float:
     """Bound of the bias along ``direction`` from noise in the columns themselves.
 
     Noise of variance v in a column attenuates its coefficient: to first order least squares is
-    off by ``-P n v (given + alpha)``; ``given`` because y carries the same noise times what is known.
+    off by ``-P n v (given + alpha)``; ``given`` because y carries the same noise times what is
+    known.
     """
     total = 0.0
     for j in range(len(state.direction)):

@@ -17,6 +17,7 @@ from rotatum.kernels.status import (
 )
 from rotatum.record import Record, integer, number, vector
 
+BEYOND = 1e12  # of any unit: no sensor measures it, and powers of it overflow
 PATIENCE = 10  # samples from the past before the clock is believed to have been set back
 
 
@@ -69,22 +70,18 @@ def plan(params: Any, state: Any, time: float) -> int:
     if state.started == 0:
         state.fresh = 1
     else:
-        if elapsed > params.missing + 1.5:
-            state.status = state.status | GAP
-            state.fresh = 1
-            state.restarts = state.restarts + 1
-        else:
+        _unwrap(params, state)
+        if elapsed >= params.missing + 1.5:
+            _restart(state, GAP)
+        elif state.fresh == 0:
             steps = int(elapsed + 0.5)
-            _unwrap(params, state)
             if _jumped(params, state, steps) != 0:
-                state.status = state.status | JUMP
-                state.fresh = 1
-                state.restarts = state.restarts + 1
-                steps = 1
-            if steps > 1:
+                _restart(state, JUMP)
+            elif steps > 1:
                 state.status = state.status | BRIDGED
                 state.bridged = state.bridged + steps - 1
     if state.fresh != 0:
+        steps = 1
         state.status = state.status | RESTARTED
         for i in range(len(state.now)):
             state.last[i] = state.now[i]
@@ -92,6 +89,13 @@ def plan(params: Any, state: Any, time: float) -> int:
     state.past = 0
     state.accepted = state.accepted + 1
     return steps
+
+
+def _restart(state: Any, reason: int) -> None:
+    if state.fresh == 0:
+        state.restarts = state.restarts + 1
+    state.fresh = 1
+    state.status = state.status | reason
 
 
 def fill(params: Any, state: Any, time: float, k: int, steps: int) -> None:
@@ -119,6 +123,8 @@ def _refusal(params: Any, state: Any, time: float, elapsed: float) -> int:
     broken = time - time
     for i in range(len(state.now)):
         broken = broken + (state.now[i] - state.now[i])
+        if math.fabs(state.now[i]) > BEYOND:
+            broken = 1.0
     if broken != 0.0:  # x - x is 0 but for NaN and infinities
         state.not_finite = state.not_finite + 1
         return NOT_FINITE

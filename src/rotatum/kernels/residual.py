@@ -89,7 +89,7 @@ def motor_step(params: Any, state: Any, u: Any, out: Any) -> None:
         kinematic.observe(params.kinematic, state.link, u.q)
         kinematic.observe(params.kinematic, state.motor, u.theta)
     momentum(params.residual, s, state.motor.position, state.motor.velocity, u.tau)
-    known = _deflect(params, state, state.link.position - state.motor.position, out)
+    known = _deflect(params, state, state.link.position - state.motor.position, u, out)
     _emit(params.residual, s, known, s.r, u, out)
 
 
@@ -111,12 +111,12 @@ def sensor_step(params: Any, state: Any, u: Any, out: Any) -> None:
         kinematic.observe(params.kinematic, state.link, u.q)
         kinematic.observe(params.kinematic, state.motor, u.theta)
     s.count = s.count + 1
-    known = _deflect(params, state, state.link.position - state.motor.position, out)
+    known = _deflect(params, state, state.link.position - state.motor.position, u, out)
     _emit(params.residual, s, known, u.torque, u, out)
 
 
-def _deflect(params: Any, state: Any, raw: float, out: Any) -> int:
-    known = find_zero(params.zero, state.zero, raw)
+def _deflect(params: Any, state: Any, raw: float, u: Any, out: Any) -> int:
+    known = find_zero(params.zero, state.zero, raw, u.fresh)
     phi = raw - state.zero.zero
     basis.evaluate(params.basis, state.terms, phi, 0.0)
     read_basis(state.terms, out)

@@ -64,13 +64,19 @@ class ZeroState(Record):
     count = integer("samples in the sum")
 
 
-def find_zero(params: Any, state: Any, raw: float) -> int:
-    """Average ``q - theta`` over the first samples. Returns 1 once the zero is known."""
+def find_zero(params: Any, state: Any, raw: float, fresh: int) -> int:
+    """Average ``q - theta`` over the first samples. Returns 1 once the zero is known.
+
+    A restart while it is being read begins it anew: what came before is not at rest beside it.
+    """
     if params.samples < 1:
         state.zero = params.zero
         return 1
     if state.count >= params.samples:
         return 1
+    if fresh != 0:
+        state.total = 0.0
+        state.count = 0
     state.total = state.total + raw
     state.count = state.count + 1
     state.zero = state.total / state.count

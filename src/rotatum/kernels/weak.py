@@ -131,7 +131,7 @@ def sensor_step(params: Any, state: Any, u: Any, out: Any) -> None:
 
 def _deflect(params: Any, state: Any, u: Any, out: Any) -> None:
     raw = u.q - u.theta
-    known = find_zero(params.zero, state.zero, raw)
+    known = find_zero(params.zero, state.zero, raw, u.fresh)
     if u.fresh != 0 or known == 0:
         state.weak.count = 0
         state.weak.length = 0

@@ -53,8 +53,17 @@ class Bank:
         return f"Bank({self.stage.name}, {len(self)} joints, {self.state.nbytes} bytes of state)"
 
     def reset(self, joints: Sequence[int] | None = None) -> None:
-        """Put all joints, or those given by index, into their initial state."""
-        index = range(len(self)) if joints is None else joints
+        """Put all joints, or those given, into their initial state.
+
+        Args:
+            joints: indices (negative ones count from the end) or a mask; ``None``: all.
+
+        Raises:
+            IndexError: there is no such joint; none is touched then.
+        """
+        every = np.arange(len(self))
+        # Looked up before anything is touched: an index that is not there changes nothing.
+        index = every if joints is None else every[list(joints)]
         for j in index:
             fresh = self.stage.state.zeros(1)
             self._loops.start(self.params[j : j + 1], fresh)

@@ -38,6 +38,11 @@ def chain(name: str, doc: str, parts: Sequence[Part], *, input: Layout) -> Stage
     and (but for the last) the record it writes. Raises ``StageError`` for a wire that names no
     field, a field left unwired, or records that do not fit.
     """
+    labels = [part.label for part in parts]
+    if not parts:
+        raise StageError(f"chain {name} needs at least one part with a label")
+    if len(set(labels)) < len(labels) or not all(label.isidentifier() for label in labels):
+        raise StageError(f"labels of chain {name} must be identifiers, each once", value=labels)
     last = parts[-1]
     params = Layout(f"{name}_params", doc, {p.label: Field(p.stage.params) for p in parts})
     fields: dict[str, Field] = {}

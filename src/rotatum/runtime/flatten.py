@@ -11,6 +11,7 @@ import inspect
 import math
 import textwrap
 from collections.abc import Callable
+from numbers import Integral, Real
 from types import FunctionType, ModuleType
 from typing import Any
 
@@ -81,7 +82,7 @@ class _Rename(ast.NodeTransformer):
         value = _resolve(self.function, node.id)
         if isinstance(value, FunctionType):
             return ast.copy_location(ast.Name(self.walker.callee(value), node.ctx), node)
-        if isinstance(value, (int, float)) and not isinstance(value, bool):
+        if _is_number(value):
             return ast.copy_location(_literal(value), node)
         if value is math or node.id in ("range", "len", "int", "float", "abs"):
             return node
@@ -98,7 +99,7 @@ class _Rename(ast.NodeTransformer):
                 value = getattr(module, node.attr, None)
                 if isinstance(value, FunctionType):
                     return ast.copy_location(ast.Name(self.walker.callee(value), node.ctx), node)
-                if isinstance(value, (int, float)) and not isinstance(value, bool):
+                if _is_number(value):
                     return ast.copy_location(_literal(value), node)
         return self.generic_visit(node)
 
@@ -107,7 +108,13 @@ def _resolve(function: FunctionType, name: str) -> Any:
     return function.__globals__.get(name)
 
 
-def _literal(value: float) -> ast.expr:
+def _is_number(value: object) -> bool:
+    return isinstance(value, (Integral, Real)) and not isinstance(value, bool)
+
+
+def _literal(number: Any) -> ast.expr:
+    # numpy's numbers print themselves with their type, which no text that is C too can say.
+    value = int(number) if isinstance(number, Integral) else float(number)
     if value < 0:
         return ast.UnaryOp(ast.USub(), ast.Constant(-value))
     return ast.Constant(value)

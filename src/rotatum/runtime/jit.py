@@ -136,7 +136,7 @@ def _cache_root() -> Path:
 
 def _load(directory: Path, name: str, text: str) -> ModuleType:
     path = directory / f"{name}.py"
-    if not path.exists() or path.read_text() != text:
+    if not path.exists() or path.read_bytes() != text.encode():
         directory.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile("w", dir=directory, suffix=".tmp", delete=False) as file:
             file.write(text)
