@@ -319,7 +319,7 @@ static void add_evidence(const weak_series_params *p, weak_series_state *s)
     if (s->length <= 2 * p->c.lag) {
         s->length++;
     }
-    if (s->length > 2 * p->c.lag) {
+    if (s->length > 2 * p->c.lag && s->evaluated >= SETTLED) {
         probe(p, s, f);
     }
     s->head = (s->head + 1) & (RING - 1);

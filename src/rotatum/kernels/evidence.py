@@ -18,7 +18,7 @@ PROBES = 4
 MOMENTS = 6
 DUE = 8  # blocks of level 0 between evaluations
 STREAK = 3  # evaluations in a row before a probe is believed
-SETTLED = 8  # evaluations before the noise level weighs what the device file says
+SETTLED = 8  # evaluations before coefficients and noise level are to be relied on
 CONFIDENT = 2.5  # of a self-normalised sum over >= 8 blocks: one in 700 by chance
 
 
@@ -118,7 +118,8 @@ def add(params: Any, state: Any, sums: Any, row: Any, solver: Any, terms: int) -
     state.pull[state.head] = row.suspect
     if state.length <= 2 * params.lag:
         state.length = state.length + 1
-    if state.length > 2 * params.lag:
+    # Torques fitted with the first, wild coefficients would outweigh the later ones for long.
+    if state.length > 2 * params.lag and state.evaluated >= SETTLED:
         _probe(params, state, sums, p, f)
     state.head = state.head + 1
     if state.head >= RING:

@@ -79,12 +79,14 @@ def anchor(state: Any, j: int, value: float, variance: float) -> None:
 
 
 def spread(state: Any, c: Any) -> float:
-    """Return ``c^T P c``."""
+    """Return ``c^T P c``, 0 where rounding has made P indefinite."""
     total = 0.0
     for i in range(len(state.g)):
         total = total + c[i] * c[i] * state.P[i, i]
         for j in range(i + 1, len(state.g)):
             total = total + 2.0 * c[i] * c[j] * state.P[i, j]
+    if total < 0.0:
+        total = 0.0
     return total
 
 

@@ -42,7 +42,9 @@ REJECTED = NOT_FINITE | REPEATED | BACKWARDS | SATURATED
 WRONG = LAG | INERTIA | OFFSET | DRIFT | NEGATIVE
 
 TABLE: tuple[Status, ...] = (
-    Status("not_finite", NOT_FINITE, "a channel or the time was NaN or infinite: sample skipped"),
+    Status(
+        "not_finite", NOT_FINITE, "a channel or the time was NaN, infinite or beyond 1e12: skipped"
+    ),
     Status("repeated", REPEATED, "the time stamp came again or too early: sample skipped"),
     Status("backwards", BACKWARDS, "time ran backwards: sample skipped"),
     Status("bridged", BRIDGED, "a few samples were missing: filled by straight lines"),

@@ -41,7 +41,7 @@ def chain(name: str, doc: str, parts: Sequence[Part], *, input: Layout) -> Stage
     labels = [part.label for part in parts]
     if not parts:
         raise StageError(f"chain {name} needs at least one part with a label")
-    if len(set(labels)) < len(labels) or not all(label.isidentifier() for label in labels):
+    if len(set(labels)) < len(labels) or not all(n.isidentifier() and n != "u" for n in labels):
         raise StageError(f"labels of chain {name} must be identifiers, each once", value=labels)
     last = parts[-1]
     params = Layout(f"{name}_params", doc, {p.label: Field(p.stage.params) for p in parts})

@@ -10,7 +10,6 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import os
-import pickle
 import shutil
 import sys
 import tempfile
@@ -82,8 +81,9 @@ def _compiled(name: str, text: str, key: tuple[Any, ...]) -> Loops:
     directory = _cache_root() / digest
     try:
         return _compile(numba, directory, name, text, key)
-    except (EOFError, ImportError, OSError, pickle.UnpicklingError):
-        # A cache cut off while it was written, or by another installation: make it anew.
+    except Exception:
+        # A cache cut off while it was written, or damaged: unpickling it may raise anything.
+        # Made anew; what was no fault of the cache is raised again.
         shutil.rmtree(directory, ignore_errors=True)
         return _compile(numba, directory, name, text, key)
 
