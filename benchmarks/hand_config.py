@@ -51,6 +51,7 @@ FIXED: dict[str, list[float]] = {
     "inner.rows.weak.delay": [0],
     "inner.solver.variance": [1.0],
     "inner.solver.centre": [0.0] * 4,
+    "inner.evidence.mute": [0] * 5,
     "inner.evidence.known": [0.0] * 4,
     "inner.evidence.given": [0.0] * 4,
     "inner.evidence.noise.1": [0.0],

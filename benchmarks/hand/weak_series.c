@@ -6,13 +6,14 @@
 enum {
     NOT_FINITE = 1, REPEATED = 2, BACKWARDS = 4, BRIDGED = 8, GAP = 16, JUMP = 32, SATURATED = 64,
     RESTARTED = 128, SETTLING = 256, DISABLED = 512, WIDE = 1024, PRIOR = 2048, DEFLECTION = 4096,
-    LAG = 8192, INERTIA = 16384, OFFSET = 32768, DRIFT = 65536, NEGATIVE = 131072
+    LAG = 8192, INERTIA = 16384, OFFSET = 32768, DRIFT = 65536, NEGATIVE = 131072,
+    VELOCITY = 262144
 };
 enum { STARVED, CONVERGING, INFORMATIVE, INCONSISTENT };
-enum { MEAN, SHIFT, PULL, SCALE };
-enum { PATIENCE = 10, DUE = 8, STREAK = 3 };
+enum { MEAN, SHIFT, PULL, SCALE, DRAG };
+enum { PATIENCE = 10, DUE = 8, STREAK = 3, SETTLED = 8 };
 
-static const double ENOUGH = 8.0, CONFIDENT = 2.5;
+static const double ENOUGH = 8.0, CONFIDENT = 2.5, BEYOND = 1e12;
 
 /* The basis and its derivatives at one deflection; the offset's are zero. */
 typedef struct {
@@ -62,7 +63,8 @@ static int judge_sample(const weak_series_params *p, weak_series_state *s, weak_
 {
     int status = 0;
     *steps = 0;
-    if (!isfinite(u->time) || !isfinite(u->q) || !isfinite(u->theta) || !isfinite(u->tau)) {
+    if (!isfinite(u->time) || !(fabs(u->q) <= BEYOND) || !(fabs(u->theta) <= BEYOND)
+        || !(fabs(u->tau) <= BEYOND)) {
         s->refused++;
         return NOT_FINITE;
     }
@@ -167,6 +169,7 @@ static void filter_row(const weak_series_params *p, weak_series_state *s,
     double acceleration = (u->theta - 2.0 * s->theta1 + s->theta2) * p->per_period2;
     double velocity = (u->theta - s->theta2) * p->per_two_periods;
     double y = p->c.inertia * acceleration + p->c.damping * velocity - tau;
+    double drag = u->q - s->q2;
     for (int h = 0; h < TERMS; ++h) {
         raw[h] = hat(s->F2[h], s->F1[h], b->F[h]);
     }
@@ -174,6 +177,7 @@ static void filter_row(const weak_series_params *p, weak_series_state *s,
     if (s->count == 2) {
         s->y_first = s->y = y;
         s->pull_first = s->pull = acceleration;
+        s->drag_first = s->drag = drag;
         memcpy(s->R_first, raw, sizeof raw);
         memcpy(s->R, raw, sizeof raw);
     }
@@ -181,6 +185,8 @@ static void filter_row(const weak_series_params *p, weak_series_state *s,
     s->y += p->gain * (s->y_first - s->y);
     s->pull_first += p->gain * (acceleration - s->pull_first);
     s->pull += p->gain * (s->pull_first - s->pull);
+    s->drag_first += p->gain * (drag - s->drag_first);
+    s->drag += p->gain * (s->drag_first - s->drag);
     for (int h = 0; h < P; ++h) {
         s->R_first[h] += p->gain * (raw[h] - s->R_first[h]);
         s->R[h] += p->gain * (s->R_first[h] - s->R[h]);
@@ -189,6 +195,8 @@ static void filter_row(const weak_series_params *p, weak_series_state *s,
 
 static void remember(weak_series_state *s, const weak_series_input *u, const basis *b)
 {
+    s->q2 = s->q1;
+    s->q1 = u->q;
     s->theta2 = s->theta1;
     s->theta1 = u->theta;
     s->tau2 = s->tau1;
@@ -288,18 +296,39 @@ static void probe(const weak_series_params *p, weak_series_state *s, double afte
     int middle = (s->head - (int)p->c.lag) & (RING - 1);
     int first = (middle - (int)p->c.lag) & (RING - 1);
     double e = s->e[middle], f = s->f[middle], before = s->f[first];
-    double shift = after - before, pull = s->pulls[middle], m = p->c.memory;
-    double terms[PROBES] = {e, e * shift, e * pull - p->c.common, e * f};
-    s->weight = m * s->weight + 1.0;
-    s->torque = m * s->torque + f;
-    s->torque2 = m * s->torque2 + f * f;
-    s->cross = m * s->cross + pull * f;
-    s->shift2 = m * s->shift2 + shift * shift;
-    s->pull2 = m * s->pull2 + pull * pull;
+    double shift = after - before, pull = s->pulls[middle], drag = s->drags[middle];
+    double *open = s->open, *part = s->part + P;
+    open[0] += 1.0;
+    open[1] += f;
+    open[2] += f * f;
+    open[3] += pull * f;
+    open[4] += shift * shift;
+    open[5] += pull * pull;
+    open[6] += drag * f;
+    open[7] += drag * drag;
+    part[MEAN] += e;
+    part[SHIFT] += e * shift;
+    part[PULL] += e * pull - p->c.common;
+    part[SCALE] += e * f;
+    part[DRAG] += e * drag;
+}
+
+/* Fade what the tests remember and add the open block's sums to it. */
+static void fold(const weak_series_params *p, weak_series_state *s)
+{
+    double m = p->c.memory;
     for (int i = 0; i < PROBES; ++i) {
-        s->probe[i] = m * s->probe[i] + terms[i];
-        s->part[P + i] += terms[i];
+        s->probe[i] = m * s->probe[i] + s->part[P + i];
     }
+    s->weight = m * s->weight + s->open[0];
+    s->torque = m * s->torque + s->open[1];
+    s->torque2 = m * s->torque2 + s->open[2];
+    s->cross = m * s->cross + s->open[3];
+    s->shift2 = m * s->shift2 + s->open[4];
+    s->pull2 = m * s->pull2 + s->open[5];
+    s->drag_cross = m * s->drag_cross + s->open[6];
+    s->drag2 = m * s->drag2 + s->open[7];
+    memset(s->open, 0, sizeof s->open);
 }
 
 static void add_evidence(const weak_series_params *p, weak_series_state *s)
@@ -316,6 +345,7 @@ static void add_evidence(const weak_series_params *p, weak_series_state *s)
     s->e[s->head] = e;
     s->f[s->head] = f;
     s->pulls[s->head] = s->pull;
+    s->drags[s->head] = s->drag;
     if (s->length <= 2 * p->c.lag) {
         s->length++;
     }
@@ -364,6 +394,7 @@ static void close_block(const weak_series_params *p, weak_series_state *s)
 static void start_afresh(weak_series_state *s)
 {
     s->length = 0;
+    memset(s->open, 0, sizeof s->open);
     memset(s->part, 0, sizeof s->part);
     memset(s->waiting, 0, sizeof s->waiting);
     s->filled = 0;
@@ -415,6 +446,8 @@ static void test_model(weak_series_state *s)
     s->share[MEAN] = ratio(a[MEAN] * a[MEAN], (n + tiny) * power);
     s->share[SHIFT] = ratio(a[SHIFT] * a[SHIFT], s->shift2 * power);
     s->share[PULL] = ratio(fabs(a[PULL] * s->cross), pull2 * power);
+    double drag2 = s->drag2 - s->drag_cross * s->drag_cross / (s->torque2 + tiny);
+    s->share[DRAG] = ratio(fabs(a[DRAG] * s->drag_cross), drag2 * power);
     s->share[SCALE] = ratio(fabs(a[SCALE]), power);
 }
 
@@ -438,13 +471,15 @@ static void renew_coefficient(const weak_series_params *p, weak_series_state *s)
 
 static double deviation(const weak_series_state *s, double spread_, double value, double shift)
 {
-    double noise = s->inflation * s->variance * spread_;
+    /* Not judged yet: the residuals so far, or anything while there is none. */
+    double early = s->weight_rows > 0.0 ? s->squares / s->weight_rows : 1.0;
+    double noise = s->inflation * (s->evaluated ? s->variance : early) * spread_;
     return sqrt(noise + value * value * s->relative + shift * shift);
 }
 
 static void set_wrong(const weak_series_params *p, weak_series_state *s, double relative)
 {
-    static const int bits[PROBES] = {OFFSET, LAG, INERTIA, DRIFT};
+    static const int bits[PROBES] = {OFFSET, LAG, INERTIA, DRIFT, VELOCITY};
     double limit = relative > p->c.bias ? relative : p->c.bias;
     for (int i = 0; i < PROBES; ++i) {
         int speaks = s->share[i] > limit && s->doubt[i] > CONFIDENT;
@@ -604,6 +639,7 @@ static void estimate(const weak_series_params *p, weak_series_state *s, const we
         learn(p, s);
         add_evidence(p, s);
         if (s->filled >= p->c.block) {
+            fold(p, s);
             close_block(p, s);
             if (s->closed >= (s->evaluated + 1) * DUE) {
                 renew(p, s, &b);

@@ -8,7 +8,7 @@
 
 #include <stdint.h>
 
-enum { TERMS = 3, P = 4, LEVELS = 20, RING = 64, PROBES = 4, PRODUCTS = P * (P + 1) / 2 };
+enum { TERMS = 3, P = 4, LEVELS = 20, RING = 64, PROBES = 5, MOMENTS = 8, PRODUCTS = P * (P + 1) / 2 };
 
 typedef struct {
     double time, q, theta, tau;
@@ -57,9 +57,9 @@ typedef struct {
     int64_t zero_count;
     /* rows */
     int64_t count;
-    double theta1, theta2, tau1, tau2;
+    double q1, q2, theta1, theta2, tau1, tau2;
     double F1[TERMS], F2[TERMS];
-    double y_first, y, pull_first, pull, R_first[P], R[P];
+    double y_first, y, pull_first, pull, drag_first, drag, R_first[P], R[P];
     /* least squares: P = U diag(d) U^T */
     double alpha[P], U[P][P], d[P];
     double innovation, leverage;
@@ -70,8 +70,8 @@ typedef struct {
     double std[P];
     int64_t evaluated;
     int std_turn, head, length, wrong, streak[PROBES];
-    double e[RING], f[RING], pulls[RING];
-    double weight, torque, torque2, cross, probe[PROBES], shift2, pull2;
+    double e[RING], f[RING], pulls[RING], drags[RING], open[MOMENTS];
+    double weight, torque, torque2, cross, drag_cross, drag2, probe[PROBES], shift2, pull2;
     double share[PROBES], doubt[PROBES];
     /* sums over blocks of doubling length */
     double part[P + PROBES], carry[LEVELS][P + PROBES];

@@ -118,7 +118,8 @@ class Record:
     @classmethod
     def fields(cls) -> dict[str, Field]:
         """Return the declared fields in order."""
-        return {name: f for name, f in vars(cls).items() if isinstance(f, Field)}
+        every = {name: f for kind in reversed(cls.__mro__) for name, f in vars(kind).items()}
+        return {name: f for name, f in every.items() if isinstance(f, Field)}
 
     @classmethod
     def dims(cls) -> tuple[str, ...]:

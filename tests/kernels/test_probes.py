@@ -17,6 +17,7 @@ from rotatum.kernels.status import (
     LAG,
     NEGATIVE,
     OFFSET,
+    VELOCITY,
     WRONG,
 )
 from rotatum.models import device_from_tables
@@ -97,6 +98,20 @@ def test_a_right_model_is_informative_and_nothing_is_wrong_with_it(motion):
     off = np.abs(out["stiffness"][-1] - STIFFNESS) / out["stiffness_std"][-1]
     assert (off < 1.96).mean() > 0.85  # 95 % of 40, less three of its deviations
     assert (out["stiffness_std"][-1] < 0.02 * STIFFNESS).all()
+
+
+def test_encoders_that_do_not_read_at_once_are_a_velocity(motion):
+    # The link read 3 ms late: the deflection is off by 3 ms times its velocity, most of which is
+    # the motor's, so that the slope is attenuated and no shift of the fitted torque shows it.
+    late = np.roll(motion.theta + motion.phi, 3, axis=0)
+    late[:3] = late[3]
+    out = motion.run(STIFFNESS * motion.phi, q=late)[-1]
+    off = np.abs(out["stiffness"] / STIFFNESS - 1.0)
+    half = 1.96 * out["stiffness_std"] / STIFFNESS
+    assert np.median(off) > 0.1
+    # Whoever is off by more than 3 % and the interval is told; nobody else need be.
+    told = out["status"] & VELOCITY != 0
+    assert told[off > np.maximum(half, 0.03)].mean() > 0.9
 
 
 def test_a_torque_that_follows_the_deflection_late_is_a_lag(quick):

@@ -162,15 +162,16 @@ def probes(share, doubt, *, streak=0, wrong=0):
     )
 
 
-ALL = sum(row.bit for row in TABLE if row.name in ("lag", "inertia", "offset", "drift"))
-SETTINGS = SimpleNamespace(bias=0.02)
+PROBED = ("lag", "inertia", "offset", "drift", "velocity")
+ALL = sum(row.bit for row in TABLE if row.name in PROBED)
+SETTINGS = SimpleNamespace(bias=0.02, mute=[0] * evidence.PROBES)
 
 
 def test_a_probe_must_speak_three_times_in_a_row():
     state = probes(0.05, 3.0)
     found = []
     for share in (0.05, 0.05, 0.01, 0.05, 0.05, 0.05):
-        state.share = [share] * 4
+        state.share = [share] * evidence.PROBES
         evidence.verdict_bits(SETTINGS, state, 0.0)
         found.append(state.wrong)
     assert found == [0, 0, 0, 0, 0, ALL]
@@ -209,8 +210,29 @@ def test_every_bit_has_one_name_and_one_place():
     assert VERDICTS == ("starved", "converging", "informative", "inconsistent")
 
 
+@pytest.mark.parametrize(("rows", "variance"), [(0.0, 1.0), (50.0, 0.04)])
+def test_before_it_is_judged_a_deviation_is_that_of_the_residuals_so_far(rows, variance):
+    state = SimpleNamespace(
+        evaluated=0,
+        rows=rows,
+        squares=2.0,
+        inflation=1.0,
+        variance=0.0,
+        noise=0.0,
+        deflection=0.0,
+        relative2=0.0,
+        shift=0.0,
+        **{STDS: [0.0]},
+    )
+    out = SimpleNamespace(stiffness=50.0, torque=4.0, coefficients_std=[0.0])
+    readout.deviations(state, 1e8, 4.0, out)
+    assert out.stiffness_std == pytest.approx(math.sqrt(variance * 1e8))
+    assert out.torque_std == pytest.approx(math.sqrt(variance * 4.0))
+
+
 def test_deviations_are_those_of_the_read_out():
     state = SimpleNamespace(
+        evaluated=1,
         inflation=2.0,
         variance=0.25,
         noise=0.5,

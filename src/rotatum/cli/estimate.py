@@ -36,7 +36,7 @@ def estimate(
         ),
     ] = None,
     forgetting: Annotated[
-        float | None, typer.Option(help="Weight of a row relative to the next one, 0.9 to 1.")
+        float | None, typer.Option(help="Weight of a row relative to the next one, 0.998 to 1.")
     ] = None,
     solver: Annotated[str | None, typer.Option(help="ud or covariance.")] = None,
     joint: Annotated[

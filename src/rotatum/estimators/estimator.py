@@ -103,7 +103,7 @@ class Estimator:
         torque: ``"estimated"`` or ``"sensor"``.
         cutoff: rad/s.
         fit: columns fitted beside the stiffness.
-        forgetting: weight of a row relative to the next one, 0.9 to 1.
+        forgetting: weight of a row relative to the next one, 0.998 to 1.
         solver: ``"ud"`` or ``"covariance"``.
         holds: joint to role to ``"held"`` or ``"sampled"``; ``None``: the device's channels.
         zeros: joint to deflection at rest, rad; ``None``: the device file's rule.
@@ -179,6 +179,7 @@ class Estimator:
         """
         now = self._samples * self.period if time is None else time
         self._samples += 1
+        n, alone = len(self.prepared), len(self.groups) == 1
         for group in self.groups:
             torque = tau if group.torque_field == "tau" else torque_measured
             if torque is None:
@@ -188,9 +189,13 @@ class Estimator:
                 )
             u = group.u
             u["time"] = now
-            for field, value in (("q", q), ("theta", theta), (group.torque_field, torque)):
-                u[field] = value if len(self.groups) == 1 else np.asarray(value)[group.places]
-            u["enable"] = enable
+            for field, value in (
+                ("q", q),
+                ("theta", theta),
+                (group.torque_field, torque),
+                ("enable", enable),
+            ):
+                u[field] = value if alone else np.broadcast_to(value, (n,))[group.places]
             group.bank.update(u, group.out)
         return self._readings
 

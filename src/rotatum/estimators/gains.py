@@ -12,7 +12,7 @@ def steady_gains(bandwidth: float, period: float) -> tuple[float, float]:
     give the filter the poles of ``s^2 + sqrt(2) w s + w^2``, ``w^4 = q / r``. With
     ``q = V_a T`` and ``r = R T``, ``R = resolution^2 / 12``: ``V_a = w^4 R``. The steady state of
     eqs 18-19 then depends on the tracking index ``(w T)^2`` alone (Kalata 1984):
-    ``g = (4 + L - sqrt(8 L + L^2)) / 4``, ``alpha = 1 - g^2``, ``beta = 2 (2 - alpha) - 4 g``.
+    ``g = (4 + L - sqrt(8 L + L^2)) / 4``, ``alpha = 1 - g^2``, ``beta = 2 (1 - g)^2``.
 
     Args:
         bandwidth: w, rad/s.
@@ -24,7 +24,7 @@ def steady_gains(bandwidth: float, period: float) -> tuple[float, float]:
     L = (bandwidth * period) ** 2
     g = (4.0 + L - math.sqrt(8.0 * L + L * L)) / 4.0
     alpha = 1.0 - g * g
-    return alpha, 2.0 * (2.0 - alpha) - 4.0 * g
+    return alpha, 2.0 * (1.0 - g) ** 2
 
 
 def velocity_std(bandwidth: float, period: float, resolution: float) -> float:

@@ -14,6 +14,8 @@ SOLVERS = ("ud", "covariance")
 MOTOR_COLUMNS = ("inertia", "damping", "coulomb", "skew", "transmission_damping", "offset")
 SENSOR_COLUMNS = ("skew", "transmission_damping", "offset")
 DEFAULT_CUTOFF = 300.0
+# A shorter memory holds too few blocks of rows to tell how coloured they are.
+SHORTEST = 0.998
 
 
 @dataclass(frozen=True)
@@ -125,12 +127,12 @@ def _cutoff(value: object, method: str, period: float, where: str) -> float:
 
 
 def _forgetting(value: object, where: str) -> float:
-    if not isinstance(value, int | float) or not 0.9 <= value <= 1.0:
+    if not isinstance(value, int | float) or not SHORTEST <= value <= 1.0:
         raise MethodError(
             "forgetting is the weight of a row relative to the next one",
             where=where,
             value=value,
-            allowed="0.9 <= forgetting <= 1",
+            allowed=f"{SHORTEST} <= forgetting <= 1",
         )
     return float(value)
 

@@ -11,6 +11,7 @@ from rotatum.estimators.series import Shape, series_stage
 from rotatum.estimators.settings import MOTOR_COLUMNS, Settings
 from rotatum.estimators.stiffness import LEVELS
 from rotatum.kernels import rows
+from rotatum.kernels.evidence import DRAG, PULL
 from rotatum.models import Joint
 from rotatum.record import Records
 from rotatum.runtime.stage import Stage
@@ -289,6 +290,8 @@ def _solver(
         evidence["common"] = inertia.value * noise["inertia"]
     evidence["given"][len(powers) :] = [base.get(name, 0.0) for name in settings.fit]
     evidence["bias"] = BIAS
+    evidence["mute"][PULL] = "inertia" in settings.fit
+    evidence["mute"][DRAG] = "skew" in settings.fit or "damping" in settings.fit
     evidence["known"][len(powers) :] = [
         (_known_std(joint, name) * scale) ** 2
         for name, scale in zip(settings.fit, scales, strict=True)

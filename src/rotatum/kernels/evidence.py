@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from rotatum.kernels import blocks
-from rotatum.kernels.status import DRIFT, INERTIA, LAG, NEGATIVE, OFFSET
+from rotatum.kernels.status import DRIFT, INERTIA, LAG, NEGATIVE, OFFSET, VELOCITY
 from rotatum.record import Record, integer, number, vector
 
 RING = 64
@@ -14,8 +14,9 @@ MEAN = 0
 SHIFT = 1
 PULL = 2
 SCALE = 3
-PROBES = 4
-MOMENTS = 6
+DRAG = 4
+PROBES = 5
+MOMENTS = 8
 DUE = 8  # blocks of level 0 between evaluations
 STREAK = 3  # evaluations in a row before a probe is believed
 SETTLED = 8  # evaluations before coefficients and noise level are to be relied on
@@ -32,6 +33,7 @@ class EvidenceParams(Record):
         "covariance of residual and acceleration that encoder noise gives them", unit="N m rad/s^2"
     )
     accuracy = number("systematic error of the deflection", unit="rad")
+    mute = vector(PROBES, "1: what this probe looks for is a column already", kind="int")
     bias = number("relative error of the stiffness from which a model may be called wrong")
     spread = vector("p", "prior variance", unit="(N m)^2", symbol="P(0)")
     noise = vector("p", "variance of the encoders' noise in each column")
@@ -67,7 +69,7 @@ class EvidenceState(Record):
     open = vector(
         MOMENTS,
         "sums of the open block: terms, torque, its square, acceleration times "
-        "torque, squared shift, squared acceleration",
+        "torque, squared shift, squared acceleration, velocity times torque, squared velocity",
     )
     weight = number("terms in the tests, faded")
     torque = number("sum of fitted torques", unit="N m")
@@ -75,6 +77,8 @@ class EvidenceState(Record):
     probe = vector(PROBES, "sums of residual times probe")
     probe2 = vector(PROBES, "sums of squared probes")
     pull = vector(RING, "recent accelerations of the motor", unit="rad/s^2")
+    drag = vector(RING, "recent velocities of the link, times any constant")
+    drag_cross = number("sum of these times torque")
     cross = number("sum of acceleration times torque", unit="N m rad/s^2")
     share = vector(PROBES, "relative error of the stiffness each probe hints at")
     doubt = vector(PROBES, "how sure that is, 2.5 is one in 700 by chance")
@@ -116,6 +120,7 @@ def add(params: Any, state: Any, sums: Any, row: Any, solver: Any, terms: int) -
     state.e[state.head] = e
     state.f[state.head] = f
     state.pull[state.head] = row.suspect
+    state.drag[state.head] = row.drag
     if state.length <= 2 * params.lag:
         state.length = state.length + 1
     # Torques fitted with the first, wild coefficients would outweigh the later ones for long.
@@ -139,16 +144,20 @@ def _probe(params: Any, state: Any, sums: Any, p: int, after: float) -> None:
     before = state.f[first]
     shift = after - before
     pull = state.pull[middle]
+    drag = state.drag[middle]
     state.open[0] = state.open[0] + 1.0
     state.open[1] = state.open[1] + f
     state.open[2] = state.open[2] + f * f
     state.open[3] = state.open[3] + pull * f
     state.open[4] = state.open[4] + shift * shift
     state.open[5] = state.open[5] + pull * pull
+    state.open[6] = state.open[6] + drag * f
+    state.open[7] = state.open[7] + drag * drag
     sums.part[p + MEAN] = sums.part[p + MEAN] + e
     sums.part[p + SHIFT] = sums.part[p + SHIFT] + e * shift
     sums.part[p + PULL] = sums.part[p + PULL] + e * pull - params.common
     sums.part[p + SCALE] = sums.part[p + SCALE] + e * f
+    sums.part[p + DRAG] = sums.part[p + DRAG] + e * drag
 
 
 def fold(params: Any, state: Any, sums: Any, p: int) -> None:
@@ -162,6 +171,8 @@ def fold(params: Any, state: Any, sums: Any, p: int) -> None:
     state.cross = m * state.cross + state.open[3]
     state.probe2[SHIFT] = m * state.probe2[SHIFT] + state.open[4]
     state.probe2[PULL] = m * state.probe2[PULL] + state.open[5]
+    state.drag_cross = m * state.drag_cross + state.open[6]
+    state.probe2[DRAG] = m * state.probe2[DRAG] + state.open[7]
     for i in range(MOMENTS):
         state.open[i] = 0.0
 
@@ -268,6 +279,8 @@ def _tests(state: Any, sums: Any, p: int) -> None:
     # What inertia the residual asks for, times what a unit of it would do to the stiffness.
     pull2 = state.probe2[PULL] - state.cross * state.cross / (state.torque2 + 1e-300)
     state.share[PULL] = _ratio(math.fabs(state.probe[PULL] * state.cross), pull2 * power)
+    drag2 = state.probe2[DRAG] - state.drag_cross * state.drag_cross / (state.torque2 + 1e-300)
+    state.share[DRAG] = _ratio(math.fabs(state.probe[DRAG] * state.drag_cross), drag2 * power)
     state.share[SCALE] = _ratio(math.fabs(state.probe[SCALE]), power)
 
 
@@ -286,14 +299,17 @@ def verdict_bits(params: Any, state: Any, relative: float) -> None:
     limit = params.bias
     if relative > limit:
         limit = relative
-    state.wrong = _one(state, MEAN, OFFSET, limit)
-    state.wrong = _one(state, SHIFT, LAG, limit)
-    state.wrong = _one(state, PULL, INERTIA, limit)
-    state.wrong = _one(state, SCALE, DRIFT, limit)
+    state.wrong = _one(params, state, MEAN, OFFSET, limit)
+    state.wrong = _one(params, state, SHIFT, LAG, limit)
+    state.wrong = _one(params, state, PULL, INERTIA, limit)
+    state.wrong = _one(params, state, SCALE, DRIFT, limit)
+    state.wrong = _one(params, state, DRAG, VELOCITY, limit)
 
 
-def _one(state: Any, i: int, bit: int, limit: float) -> int:
+def _one(params: Any, state: Any, i: int, bit: int, limit: float) -> int:
     wrong: int = state.wrong
+    if params.mute[i] != 0:
+        return wrong
     if state.share[i] > limit and state.doubt[i] > CONFIDENT:
         state.streak[i] = state.streak[i] + 1
     else:

@@ -97,7 +97,13 @@ def deviations(evidence: Any, sigma_spread: float, torque_spread: float, out: An
     deflection may be fully correlated with it, phi being the rms deflection that informs the
     stiffness; ``shift`` bounds the bias from encoder noise in the columns.
     """
-    scale = evidence.inflation * evidence.variance
+    variance = evidence.variance
+    if evidence.evaluated == 0:
+        # Not judged yet: the residuals so far, or anything while there is none.
+        variance = 1.0
+        if evidence.rows > 0.0:
+            variance = evidence.squares / evidence.rows
+    scale = evidence.inflation * variance
     relative = evidence.relative2
     wrong = out.stiffness * out.stiffness * relative + evidence.shift * evidence.shift
     out.stiffness_std = math.sqrt(scale * sigma_spread + wrong)

@@ -90,7 +90,7 @@ def motor_step(params: Any, state: Any, u: Any, out: Any) -> None:
         kinematic.observe(params.kinematic, state.motor, u.theta)
     momentum(params.residual, s, state.motor.position, state.motor.velocity, u.tau)
     known = _deflect(params, state, state.link.position - state.motor.position, u, out)
-    _emit(params.residual, s, known, s.r, u, out)
+    _emit(params.residual, s, known, s.r, state.link.velocity, u, out)
 
 
 def sensor_init(params: Any, state: Any) -> None:
@@ -112,7 +112,7 @@ def sensor_step(params: Any, state: Any, u: Any, out: Any) -> None:
         kinematic.observe(params.kinematic, state.motor, u.theta)
     s.count = s.count + 1
     known = _deflect(params, state, state.link.position - state.motor.position, u, out)
-    _emit(params.residual, s, known, u.torque, u, out)
+    _emit(params.residual, s, known, u.torque, state.link.velocity, u, out)
 
 
 def _deflect(params: Any, state: Any, raw: float, u: Any, out: Any) -> int:
@@ -124,9 +124,10 @@ def _deflect(params: Any, state: Any, raw: float, u: Any, out: Any) -> int:
     return known
 
 
-def _emit(p: Any, s: Any, known: int, y: float, u: Any, out: Any) -> None:
+def _emit(p: Any, s: Any, known: int, y: float, velocity: float, u: Any, out: Any) -> None:
     out.y = y
     out.suspect = s.acceleration
+    out.drag = velocity
     for h in range(len(out.R)):
         out.R[h] = out.F[h]
     if p.offset >= 0:

@@ -42,6 +42,7 @@ class Row(Record):
     fresh = integer("1: the filters started at this sample")
     y = number("left side", unit="N m", symbol="y")
     suspect = number("acceleration of the motor through the same operator, 0: none", unit="rad/s^2")
+    drag = number("velocity of the link through the same operator, times any constant")
     phi = number("deflection now", unit="rad", symbol="phi")
     R = vector("p", "regressors", symbol="R")
     F = vector("p", "basis now, 0 for columns that are no spring", symbol="F")

@@ -37,9 +37,10 @@ INERTIA = 16384
 OFFSET = 32768
 DRIFT = 65536
 NEGATIVE = 131072
+VELOCITY = 262144
 
 REJECTED = NOT_FINITE | REPEATED | BACKWARDS | SATURATED
-WRONG = LAG | INERTIA | OFFSET | DRIFT | NEGATIVE
+WRONG = LAG | INERTIA | OFFSET | DRIFT | NEGATIVE | VELOCITY
 
 TABLE: tuple[Status, ...] = (
     Status(
@@ -76,7 +77,7 @@ TABLE: tuple[Status, ...] = (
         "lag",
         LAG,
         "the residual is a delayed copy of the elastic torque: the method's own filter (raise the "
-        "cutoff, or use `weak`), a skew between channels, or a damping that is not modelled",
+        "cutoff, or use `weak`), or a torque that comes late",
     ),
     Status(
         "inertia",
@@ -100,6 +101,12 @@ TABLE: tuple[Status, ...] = (
         NEGATIVE,
         "the stiffness comes out negative beyond doubt: a wrong sign, side or channel, or friction "
         "that looks like a spring",
+    ),
+    Status(
+        "velocity",
+        VELOCITY,
+        "the residual follows the link's velocity: a skew between the encoder channels, or viscous "
+        "friction that is not modelled; fit `skew` or `damping`",
     ),
 )
 

@@ -84,6 +84,8 @@ class WeakState(Record):
     y2 = number("y after the second pole", unit="N m")
     a1 = number("acceleration after the first pole", unit="rad/s^2")
     a2 = number("acceleration after the second pole", unit="rad/s^2")
+    v1 = number("link moved in two periods, after the first pole", unit="rad")
+    v2 = number("link moved in two periods, after the second pole", unit="rad")
     R1 = vector("p", "columns after the first pole")
     R2 = vector("p", "columns after the second pole")
 
@@ -220,12 +222,15 @@ def _columns(p: Any, w: Any, terms: Any) -> None:
 
 
 def _filter(p: Any, w: Any) -> None:
+    moved = w.q0 - w.q2
     if w.count == 2:
         # Started at the first raw row, all terms of the balance alike: no transient to wait for.
         w.y1 = w.raw_y
         w.y2 = w.raw_y
         w.a1 = w.acceleration
         w.a2 = w.acceleration
+        w.v1 = moved
+        w.v2 = moved
         for h in range(len(w.raw)):
             w.R1[h] = w.raw[h]
             w.R2[h] = w.raw[h]
@@ -233,6 +238,8 @@ def _filter(p: Any, w: Any) -> None:
     w.y2 = smooth(p.pole, w.y2, w.y1)
     w.a1 = smooth(p.pole, w.a1, w.acceleration)
     w.a2 = smooth(p.pole, w.a2, w.a1)
+    w.v1 = smooth(p.pole, w.v1, moved)
+    w.v2 = smooth(p.pole, w.v2, w.v1)
     for h in range(len(w.raw)):
         w.R1[h] = smooth(p.pole, w.R1[h], w.raw[h])
         w.R2[h] = smooth(p.pole, w.R2[h], w.R1[h])
@@ -256,6 +263,7 @@ def _remember(w: Any, terms: Any) -> None:
 def _emit(p: Any, w: Any, u: Any, out: Any) -> None:
     out.y = w.y2
     out.suspect = w.a2
+    out.drag = w.v2
     for h in range(len(w.R2)):
         out.R[h] = w.R2[h]
     out.fresh = 0

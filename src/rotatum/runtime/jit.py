@@ -118,6 +118,7 @@ def _compile(numba: Any, directory: Path, name: str, text: str, key: tuple[Any, 
     return Loops(*loops)
 
 
+@lru_cache(maxsize=1)
 def _cache_root() -> Path:
     if "ROTATUM_CACHE_DIR" in os.environ:
         root = Path(os.environ["ROTATUM_CACHE_DIR"])
@@ -128,10 +129,8 @@ def _cache_root() -> Path:
         root.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=root):
             return root
-    except OSError:  # read-only home: compile once per machine session instead
-        fallback = Path(tempfile.gettempdir()) / f"rotatum-kernels-{os.getuid()}"
-        fallback.mkdir(parents=True, exist_ok=True)
-        return fallback
+    except OSError:  # read-only home: compile once per process, where nobody else writes
+        return Path(tempfile.mkdtemp(prefix="rotatum-kernels-"))
 
 
 def _load(directory: Path, name: str, text: str) -> ModuleType:
