@@ -12,7 +12,7 @@ from rotatum.estimators.series import KERNELS
 from rotatum.kernels.status import VERDICTS
 from rotatum.report.palette import VERDICT_COLOURS, VERDICT_MEANINGS
 from rotatum.report.references import REFERENCES, reference
-from rotatum.report.view import torque_unit, view
+from rotatum.report.view import view
 from rotatum.report.words import measure, number
 from tests.report.scenes import DEVICE, small_device, small_estimate
 
@@ -52,9 +52,9 @@ def test_numbers_without_value_are_dashes() -> None:
 
 def test_a_current_makes_ampere_per_radian() -> None:
     current = DEVICE.replace('hold = "held"', 'hold = "held", unit = "mA"')
-    assert torque_unit(small_device(current).joints[0], "estimated") == "A"
-    assert torque_unit(small_device(current).joints[0], "sensor") == "N m"
-    assert torque_unit(small_device().joints[0], "estimated") == "N m"
+    assert small_device(current).joints[0].torque_unit("estimated") == "A"
+    assert small_device(current).joints[0].torque_unit("sensor") == "N m"
+    assert small_device().joints[0].torque_unit("estimated") == "N m"
 
 
 def test_a_view_is_in_order_of_time() -> None:

@@ -82,8 +82,9 @@ TABLE: tuple[Status, ...] = (
     Status(
         "inertia",
         INERTIA,
-        "the residual follows the motor's acceleration: a wrong inertia, or a torque that is "
-        "not what the channel says (torque constant, gear ratio); fit `inertia`",
+        "the residual follows the motor's acceleration: a wrong inertia, a torque that is "
+        "not what the channel says (torque constant, gear ratio), or the lag of the filters of "
+        "`residual`; fit `inertia`, or use `weak`",
     ),
     Status(
         "offset",

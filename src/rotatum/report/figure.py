@@ -23,6 +23,7 @@ __all__ = ["figure_of", "panels", "plot"]
 
 _GAP, _BOTTOM = 34, 46  # pixels between rows and below them
 _TITLE, _LEGEND = 24, 24  # pixels above the first row
+_HEAD = 72  # pixels more for a figure with a title of its own
 
 
 def plot(estimate: Estimate, joint: str | None = None) -> Figure:
@@ -47,8 +48,19 @@ def plot(estimate: Estimate, joint: str | None = None) -> Figure:
     answer = stiffness_panel(shown)
     answer = answer._replace(rows=[*answer.rows, interval_row(shown)])
     figure = figure_of([answer, torque_panel(shown), characteristic_panel(shown)])
+    layout = figure.layout
     figure.update_layout(
-        title={"text": f"{_plain(name)}: {shown.estimate.verdict}"}, template="plotly_white"
+        title={
+            "text": f"{_plain(name)}: {shown.estimate.verdict}",
+            "y": 1.0,
+            "yref": "container",
+            "yanchor": "top",
+            "pad": {"t": 8},
+        },
+        # All traces share one legend here, which takes up to three lines below the title.
+        margin_t=layout.margin.t + _HEAD,
+        height=layout.height + _HEAD,
+        template="plotly_white",
     )
     return figure
 
