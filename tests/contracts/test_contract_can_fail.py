@@ -74,10 +74,10 @@ def test_a_clause_fails(step: Callable[..., None], clause: str, detail: str) -> 
 
 
 def test_units_names_and_docs_are_checked() -> None:
-    odd = {"x": number("signal", unit="Nm"), "sum": number("a total"), "z": number("")}
+    odd = {"x": number("signal", unit="Nm"), "größe": number("a total"), "z": number("")}
     message = clauses_broken_by(stage_of(broken.good, input=Layout("Input", "", odd)))
     assert "Input.x: unit 'Nm' is not SI" in message
-    assert "Input.sum: interpreted, .sum is numpy's own attribute" in message
+    assert "Input.größe: no identifier in C" in message
     assert "Input.z has no documentation" in message
     assert "record Input has no docstring" in message
     counted = {"x": INPUT.fields["x"], "n": Field("int", (), "a count", "m")}

@@ -118,7 +118,6 @@ def _compile(numba: Any, directory: Path, name: str, text: str, key: tuple[Any, 
     return Loops(*loops)
 
 
-@lru_cache(maxsize=1)
 def _cache_root() -> Path:
     if "ROTATUM_CACHE_DIR" in os.environ:
         root = Path(os.environ["ROTATUM_CACHE_DIR"])
@@ -130,7 +129,12 @@ def _cache_root() -> Path:
         with tempfile.TemporaryFile(dir=root):
             return root
     except OSError:  # read-only home: compile once per process, where nobody else writes
-        return Path(tempfile.mkdtemp(prefix="rotatum-kernels-"))
+        return _own_folder()
+
+
+@lru_cache(maxsize=1)
+def _own_folder() -> Path:
+    return Path(tempfile.mkdtemp(prefix="rotatum-kernels-"))
 
 
 def _load(directory: Path, name: str, text: str) -> ModuleType:

@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* rotatum.kernels.lowpass.init: Start empty: the first sample becomes the steady state. */
-static void init(const lowpass_params_t *params, lowpass_state_t *state)
+static inline void init(const lowpass_params_t *params, lowpass_state_t *state)
 {
     (void)params;
     state->first = 0.0;
@@ -17,7 +17,7 @@ static void init(const lowpass_params_t *params, lowpass_state_t *state)
 
 /* rotatum.kernels.lowpass.smooth: One pole: ``y(k) = a y(k-1) + (1 - a) x(k)``, a = exp(-cutoff
  * T); unit gain at rest. */
-static double lowpass_smooth(double pole, double before, double x)
+static inline double lowpass_smooth(double pole, double before, double x)
 {
     return before + (1.0 - pole) * (x - before);
 }
