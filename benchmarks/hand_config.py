@@ -78,7 +78,7 @@ def hand_version(code: Code, flags: tuple[str, ...], directory: Any, params: Rec
     for name, value in values.items():
         config[name][0] = value
     native = Native(code, flags, directory, np.zeros(config.nbytes + 8 * DERIVED, np.uint8))
-    native.library.weak_series_prepare(
+    native.shared.weak_series_prepare(
         ctypes.c_void_p(native.params.ctypes.data), ctypes.c_void_p(config.ctypes.data)
     )
     return native

@@ -78,8 +78,8 @@ class Native:
         command = [str(compiler()), *flags, "-fPIC", "-shared", "-o", str(library)]
         command += [f'-DSOURCE="{code.source.name}"', f"-I{code.source.parent}", *defined]
         subprocess.run([*command, str(HAND / "drivers.c"), "-lm"], check=True)
-        self.library = ctypes.CDLL(str(library))
-        sizes = list((ctypes.c_size_t * 4).in_dll(self.library, "sizes"))
+        self.shared = ctypes.CDLL(str(library))
+        sizes = list((ctypes.c_size_t * 4).in_dll(self.shared, "sizes"))
         if params.nbytes != sizes[0]:
             raise AssertionError(f"params of {sizes[0]} B in C, of {params.nbytes} B here")
         self.sizes = sizes
@@ -88,21 +88,21 @@ class Native:
 
     def start(self) -> None:
         """Put the state in its initial condition."""
-        self.library.start(_pointer(self.params), _pointer(self.state))
+        self.shared.start(_pointer(self.params), _pointer(self.state))
 
     def run(self, u: Records, out: Records) -> None:
         """Take ``(N,)`` samples."""
         self._check(u, out)
         count = ctypes.c_int64(len(u))
         arrays = (self.params, self.state, u, out)
-        self.library.run(*map(_pointer, arrays), count)
+        self.shared.run(*map(_pointer, arrays), count)
 
     def run_timed(self, u: Records, out: Records, nanoseconds: NDArray[np.int64]) -> None:
         """Take ``(N,)`` samples; write how long each step took."""
         self._check(u, out)
         count = ctypes.c_int64(len(u))
         arrays = (self.params, self.state, u, out)
-        self.library.run_timed(*map(_pointer, arrays), count, _pointer(nanoseconds))
+        self.shared.run_timed(*map(_pointer, arrays), count, _pointer(nanoseconds))
 
     def _check(self, u: Records, out: Records) -> None:
         if [u.itemsize, out.itemsize] != self.sizes[2:] or len(u) != len(out):
