@@ -8,6 +8,17 @@ from typing import Annotated
 import typer
 
 from rotatum.cli.failures import DONE, NO_ANSWER, say
+from rotatum.cli.options import (
+    Cutoff,
+    DeviceName,
+    Fit,
+    Forgetting,
+    Joints,
+    Json,
+    Method,
+    Solver,
+    Torque,
+)
 
 __all__ = ["estimate", "names"]
 
@@ -16,36 +27,20 @@ def estimate(
     log: Annotated[
         Path, typer.Argument(help="CSV, NPZ, MAT, HDF5 or Parquet.", show_default=False)
     ],
-    device: Annotated[
-        str,
-        typer.Option("--device", "-d", help="Device file (TOML), or a name of `rotatum devices`."),
-    ],
-    method: Annotated[
-        str | None, typer.Option(help="weak or residual; else the device file's, else weak.")
-    ] = None,
+    device: DeviceName,
+    method: Method = None,
     side: Annotated[str | None, typer.Option(help="Side of the torque balance: motor.")] = None,
-    torque: Annotated[
-        str | None, typer.Option(help="estimated (from the motor) or sensor.")
-    ] = None,
-    cutoff: Annotated[float | None, typer.Option(help="Bandwidth of the rows, rad/s.")] = None,
-    fit: Annotated[
-        str | None,
-        typer.Option(
-            help="Quantities fitted beside the stiffness, with commas: inertia, damping, coulomb, "
-            "skew, transmission_damping, offset; or none."
-        ),
-    ] = None,
-    forgetting: Annotated[
-        float | None, typer.Option(help="Weight of a row relative to the next one, 0.998 to 1.")
-    ] = None,
-    solver: Annotated[str | None, typer.Option(help="ud or covariance.")] = None,
-    joint: Annotated[
-        list[str] | None,
-        typer.Option(help="Only this joint; give it again for more.", metavar="NAME"),
-    ] = None,
+    torque: Torque = None,
+    cutoff: Cutoff = None,
+    fit: Fit = None,
+    forgetting: Forgetting = None,
+    solver: Solver = None,
+    joint: Joints = None,
     start: Annotated[
         float | None,
-        typer.Option("--from", help="Score samples from this time on, s; else once converged."),
+        typer.Option(
+            "--from", help="Score from this many seconds into the log; else once converged."
+        ),
     ] = None,
     output: Annotated[
         Path | None,
@@ -54,7 +49,7 @@ def estimate(
     report: Annotated[
         Path | None, typer.Option(help="One HTML page with every plot and setting.")
     ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
+    json: Json = False,
 ) -> int:
     """Estimate the stiffness of every joint over a log.
 

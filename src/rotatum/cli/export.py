@@ -8,6 +8,17 @@ from typing import Annotated
 import typer
 
 from rotatum.cli.failures import DONE
+from rotatum.cli.options import (
+    Cutoff,
+    DeviceName,
+    Fit,
+    Forgetting,
+    Joints,
+    Json,
+    Method,
+    Solver,
+    Torque,
+)
 
 __all__ = ["app", "c"]
 
@@ -21,31 +32,17 @@ def _targets() -> None:
 
 @app.command()
 def c(
-    device: Annotated[
-        str,
-        typer.Option("--device", "-d", help="Device file (TOML), or a name of `rotatum devices`."),
-    ],
+    device: DeviceName,
     output: Annotated[
         Path, typer.Option("--output", "-o", help="A new or empty folder, or an earlier export.")
     ],
-    method: Annotated[
-        str | None, typer.Option(help="weak or residual; else the device file's, else weak.")
-    ] = None,
-    torque: Annotated[
-        str | None, typer.Option(help="estimated (from the motor) or sensor.")
-    ] = None,
-    cutoff: Annotated[float | None, typer.Option(help="Bandwidth of the rows, rad/s.")] = None,
-    fit: Annotated[
-        str | None, typer.Option(help="Quantities fitted beside the stiffness, with commas.")
-    ] = None,
-    forgetting: Annotated[
-        float | None, typer.Option(help="Weight of a row relative to the next one, 0.998 to 1.")
-    ] = None,
-    solver: Annotated[str | None, typer.Option(help="ud or covariance.")] = None,
-    joint: Annotated[
-        list[str] | None,
-        typer.Option(help="Only this joint; give it again for more.", metavar="NAME"),
-    ] = None,
+    method: Method = None,
+    torque: Torque = None,
+    cutoff: Cutoff = None,
+    fit: Fit = None,
+    forgetting: Forgetting = None,
+    solver: Solver = None,
+    joint: Joints = None,
     period: Annotated[
         float | None,
         typer.Option(help="Sample period, s; else the log's, else the device file's."),
@@ -53,7 +50,7 @@ def c(
     log: Annotated[
         Path | None, typer.Option(help="Log for the test vector; else one is made up.")
     ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
+    json: Json = False,
 ) -> int:
     """Write C99 without allocation, and a test that compares it with Python bit for bit.
 
