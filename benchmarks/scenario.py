@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
 from rotatum.estimators.series import Shape, series_stage
+
 from rotatum.estimators.settings import Request, settle
 from rotatum.estimators.tuning import prepare
 from rotatum.logs import Log
@@ -17,7 +17,7 @@ from rotatum.models import Device
 from rotatum.models.device import device_from_tables
 from rotatum.record import Records
 from rotatum.runtime import Stage
-from rotatum.simulation import Sensors, multisine, simulate_series
+from rotatum.simulation import Sensors, multisine, simulate_joint
 
 SECONDS = 20.0
 PERIOD = 4e-4
@@ -81,11 +81,11 @@ def device(joints: int = 1) -> Device:
 def log() -> Log:
     """Simulate 20 s at 2.5 kHz: 50,000 samples, quantised encoders, noisy torque."""
     torque = multisine(rms=12.0, low=0.5, high=20.0, count=30, seed=1)
-    return simulate_series(
+    return simulate_joint(
         device().joints[0],
         seconds=SECONDS,
         period=PERIOD,
-        torque=torque,
+        drives={"tau": torque},
         sensors=Sensors(noise={"tau": 0.2}),
         seed=1,
     )

@@ -19,6 +19,7 @@ extensions = [
     "apipages",
     "commands",
     "docstrings",
+    "laws",
     "mathml",
     "myst_parser",
     "sphinx.ext.autodoc",

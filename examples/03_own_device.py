@@ -78,7 +78,7 @@ def record_log(path: Path) -> None:
     from rotatum.simulation import multisine
 
     shake = multisine(rms=5.0, low=0.3, high=10.0, count=20, seed=1)
-    log = rt.simulate_series(joint, seconds=5.0, period=1e-3, torque=shake)
+    log = rt.simulate_joint(joint, seconds=5.0, period=1e-3, drives={"tau": shake})
     robot, gear = log.joints["my-joint"], joint.motors[0].gear_ratio
     rt.write_table(
         path,

@@ -21,6 +21,6 @@ __getattr__, __dir__, __all__ = _lazy.attach(
         "models": ["Device", "Joint", "device_names", "load_device"],
         "report": ["plot", "write_report"],
         "runtime": ["Bank", "Stage"],
-        "simulation": ["Sensors", "demo_log", "simulate_series"],
+        "simulation": ["Sensors", "demo_log", "simulate_joint"],
     },
 )

@@ -36,6 +36,15 @@ def grow(x):
         return 1.0
     return math.exp(x)
 
+def arc(x):
+    if x != x:
+        return 0.25
+    if x > 1.0:
+        x = 1.0
+    if x < -1.0:
+        x = -1.0
+    return math.asin(x)
+
 def wave(x):
     if x - x != 0.0:
         return 0.25
@@ -72,6 +81,7 @@ floats = st.recursive(
         st.builds("root({})".format, inner),
         st.builds("grow({})".format, inner),
         st.builds("wave({})".format, inner),
+        st.builds("arc({})".format, inner),
         st.builds("math.fabs({})".format, inner),
         st.builds("({} if {} < {} else {})".format, inner, inner, inner, inner),
         st.builds("({} if not {} <= {} or {} != {} else {})".format, *[inner] * 6),

@@ -115,11 +115,11 @@ def step(params, state, u, out):
     out.x = -state.n * 2 - -3 + 2 * 3 * u.x
 """,
     "names that C has taken": """
-def register(auto, exp):
-    return auto * math.exp(exp)
+def register(auto, exp, asin):
+    return auto * math.exp(exp) + math.asin(asin)
 
 def step(params, state, u, out):
-    default = register(u.x, -0.5)
+    default = register(u.x, -0.5, 0.25)
     state.double = default
     int64_t = u.i + 1
     out.x = state.double

@@ -63,22 +63,6 @@ def test_too_few_samples_are_found_at_the_end(tmp_path: Path, table: Table, plai
         list(open_log(tmp_path / "run.csv", plain, chunk=50))
 
 
-@pytest.mark.parametrize("chunk", [40, 1000])
-def test_mean_deflection_leaves_nan_out(
-    chunk: int, tmp_path: Path, table: Table, plain: Device
-) -> None:
-    table["j.q"][7:19] = np.nan
-    write_table(tmp_path / "run.npz", table)
-    reader = open_log(tmp_path / "run.npz", plain, chunk=chunk)
-    expected = np.nanmean(table["j.q"] - table["j.theta"])
-    # A sum in pieces differs by a few roundings.
-    assert reader.mean_deflection("j") == pytest.approx(expected, rel=1e-12)
-    with pytest.raises(LogError, match="no such joint"):
-        reader.mean_deflection("k")
-    with pytest.raises(LogError, match="has no theta1, so no deflection"):
-        reader.mean_deflection("j", "theta1")
-
-
 def test_a_made_up_clock_runs_on_across_pieces(tmp_path: Path, table: Table) -> None:
     del table["time"]
     write_table(tmp_path / "run.csv", table)

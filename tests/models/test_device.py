@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from rotatum.models import Uncertain, device_from_tables, device_names, load_device
+from rotatum.logs.mapping import map_channels
+from rotatum.models import Setpoint, Transmission, Uncertain, device_from_tables, load_device
 
 _FULL = """
 name = "rig"
@@ -110,21 +111,113 @@ def test_antagonistic_motors_in_order() -> None:
     assert (joint.gear_ratio("theta1"), joint.gear_ratio("tau2")) == (2.0, 3.0)
 
 
-def test_the_catalogue_loads() -> None:
-    assert {"series-demo", "compact-sea", "cjt-orange-80-6000"} <= set(device_names())
-    for name in device_names():
-        device = load_device(name)
-        assert device.name == name
-        assert device.source == f"catalogue:{name}"
+def test_one_transmission_stands_for_both() -> None:
+    table = {"law": "sinh", "k": 0.02, "a": 11.0}
+    tables = {"name": "vsa", "actuation": "antagonistic", "transmission": table}
+    joint = device_from_tables(tables, "test").joints[0]
+    one, other = joint.transmissions
+    assert one == other == joint.transmission
+    assert list(one.constants) == [0.02, 11.0]
+    assert one.model.name == "sinh"
 
 
-def test_catalogue_constants_agree_with_their_source() -> None:
-    (joint,) = load_device("cjt-orange-80-6000").joints
-    assert joint.motors[0].reflected_inertia is not None
-    # Four digits are given in the file.
-    assert joint.motors[0].reflected_inertia.value == pytest.approx(0.2300 + 0.0717, rel=2e-4)
-    assert joint.motors[0].reflected_damping.value == pytest.approx(0.0036 + 2.2, rel=2e-4)
-    assert joint.motors[0].reflected_coulomb.value == pytest.approx(2.64, rel=1e-12)
+def test_two_transmissions_in_order() -> None:
+    pair = [{"law": "linear", "stiffness": k, "preload": 0.1} for k in (1.0, 2.0)]
+    tables = {"name": "vsa", "actuation": "antagonistic", "transmission": pair}
+    joint = device_from_tables(tables, "test").joints[0]
+    assert [float(t.torque(0.4)) for t in joint.transmissions] == [0.5, 1.0]
+    without = device_from_tables({"name": "vsa", "actuation": "antagonistic"}, "test").joints[0]
+    assert len(without.transmissions) == 2
+
+
+_SERIAL = """
+name = "awas"
+actuation = "serial"
+[motor]
+gear_ratio = 50
+[setpoint]
+law = "lever"
+r0 = 0.1
+b = 4e-4
+[setpoint.motor]
+inertia = 1e-7
+gear_ratio = 23
+[transmission]
+law = "lever"
+spring = 14220
+[channels]
+setpoint = { name = "theta_c", side = "motor", unit = "deg" }
+[sources]
+setpoint = "sourced: data sheet"
+motor.gear_ratio = "computed: from the teeth"
+"setpoint.motor.inertia" = "inferred: from its size"
+"""
+
+
+def test_a_setpoint_with_its_motor(tmp_path: Path) -> None:
+    joint = load_device(_write(tmp_path, _SERIAL)).joints[0]
+    assert joint.setpoint is not None
+    assert joint.setpoint.motor is not None
+    assert joint.setpoint.slope == -4e-4
+    assert joint.setpoint.value(50.0) == 0.1 - 4e-4 * 50.0
+    assert (joint.gear_ratio("setpoint"), joint.gear_ratio("theta")) == (23.0, 50.0)
+    assert joint.setpoint.motor.reflected_inertia == Uncertain(1e-7 * 23.0**2)
+
+
+def test_a_setpoint_on_the_motors_side_is_an_angle(tmp_path: Path) -> None:
+    device = load_device(_write(tmp_path, _SERIAL))
+    found = map_channels(device, ["time", "theta_c"], "log.csv")
+    (column,) = found.columns
+    # Degrees of the motor, 23 of its turns to one behind the gear.
+    assert column.slope == pytest.approx(pi / 180.0 / 23.0, rel=1e-15)
+
+
+def test_a_direct_setpoint_is_what_is_logged() -> None:
+    setpoint = Setpoint(law="direct")
+    assert (setpoint.value(0.3), setpoint.slope) == (0.3, 1.0)
+
+
+def test_sources_cover_what_is_below_them(tmp_path: Path) -> None:
+    joint = load_device(_write(tmp_path, _SERIAL)).joints[0]
+    assert joint.source_of("setpoint.b") == "sourced: data sheet"
+    assert joint.source_of("setpoint.motor.gear_ratio") == "sourced: data sheet"
+    assert joint.source_of("setpoint.motor.inertia") == "inferred: from its size"
+    assert joint.source_of("motor[1].gear_ratio") == "computed: from the teeth"
+    assert joint.source_of("motor.inertia") is None
+
+
+def test_sources_of_several_joints() -> None:
+    tables = {
+        "name": "arm",
+        "sources": {"link": "sourced: a", "encoders": "sourced: b"},
+        "joint": [{"name": "one"}, {"name": "two", "sources": {"link": "inferred: c"}}],
+    }
+    one, two = device_from_tables(tables, "test").joints
+    assert (one.source_of("link.inertia"), two.source_of("link.inertia")) == (
+        "sourced: a",
+        "inferred: c",
+    )
+    assert two.source_of("encoders.link") == "sourced: b"
+
+
+def test_antagonistic_roles() -> None:
+    channels = {
+        "torque_measured2": {"name": "t2", "side": "motor"},
+        "stiffness1_true": "k1",
+        "torque2_true": "t",
+    }
+    motors = [{"gear_ratio": 2.0}, {"gear_ratio": 3.0}]
+    tables = {"name": "v", "actuation": "antagonistic", "motor": motors, "channels": channels}
+    joint = device_from_tables(tables, "test").joints[0]
+    assert joint.gear_ratio("torque_measured2") == 3.0
+    assert {"torque_measured", "stiffness2_true", "torque1_true"} <= set(joint.roles)
+
+
+def test_a_transmission_is_written_as_in_the_file() -> None:
+    table = {"law": "odd_polynomial", "coefficients": [1.0, 2.0], "zero": "mean", "limit": 0.5}
+    written = Transmission.model_validate(table).model_dump(mode="json", exclude_none=True)
+    assert written == {**table, "damping": 0.0, "preload": 0.0}
+    assert Transmission.model_validate(written) == Transmission.model_validate(table)
 
 
 def test_the_examples_load(project: Path) -> None:

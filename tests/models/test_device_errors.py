@@ -32,6 +32,119 @@ _WRONG: list[tuple[dict[str, Any], str]] = [
     ({"basis": {"setpoint_orders": 1}}, "setpoint_range is needed"),
     ({"transmission": {"law": "linear"}}, 'law "linear" needs the constant stiffness'),
     ({"transmission": {"stiffness": 1.0}}, "without a law has no constant stiffness"),
+    ({"transmission": {"law": "cubic", "stiffness": 1.0}}, "needs the constant cubic"),
+    (
+        {"transmission": {"law": "linear", "stiffness": 1.0, "cubic": 2.0}},
+        'transmission: law "linear" has no constant cubic; it has stiffness',
+    ),
+    (
+        {"transmission": {"law": "sihn", "k": 1.0, "a": 1.0}},
+        r'transmission\.law: is none of the known laws.*Did you mean "sinh"',
+    ),
+    ({"transmission": {"law": 3}}, r"transmission\.law: is none of the known laws, got '3'"),
+    (
+        {"transmission": {"law": "fourbar", "spring": 1.0, "raito": 2.0}},
+        r'unknown key "transmission\.raito".*spring, ratio.*Did you mean "ratio"',
+    ),
+    ({"transmission": {"given": {}}}, r'unknown key "transmission\.given"'),
+    (
+        {"transmission": {"law": "linear", "stiffness": -1.0}},
+        r"transmission\.stiffness must be greater than 0, got -1\.0",
+    ),
+    (
+        {"transmission": {"law": "linear", "stiffness": "1"}},
+        r"transmission\.stiffness must be a number, got '1'",
+    ),
+    (
+        {"transmission": {"law": "fourbar", "spring": 1.0, "ratio": 0.9}},
+        "transmission: ratio must be greater than 1",
+    ),
+    (
+        {"transmission": {"law": "odd_polynomial", "coefficients": []}},
+        r"transmission\.coefficients must be a list of numbers",
+    ),
+    (
+        {"transmission": {"law": "odd_polynomial", "coefficients": [0.0, -1.0]}},
+        "the first coefficient that is not 0 must be positive",
+    ),
+    (
+        {"transmission": {"law": "polynomial", "coefficients": [0.0, 1.0]}},
+        "must be positive and belong to an odd power",
+    ),
+    (
+        {"transmission": {"law": "table", "deflection": [0.0, 1.0], "torque": [0.0, 1.0]}},
+        "lists of one length, at least 3",
+    ),
+    (
+        {"transmission": {"law": "table", "deflection": [0.0, 1.0, 2.0], "torque": [0, 2, 1]}},
+        "must both grow",
+    ),
+    (
+        {"transmission": {"law": "table", "deflection": [0.0, 1.0, 2.0], "torque": [1, 2, 3]}},
+        "must contain the deflection at which the torque is 0",
+    ),
+    ({"transmission": {"limit": 0.0}}, r"transmission\.limit must be greater than 0"),
+    ({"transmission": [{}, {}]}, r'"series" has 1 transmission table, not 2'),
+    (
+        {"actuation": "antagonistic", "transmission": [{}, {}, {}]},
+        r'"antagonistic" has 1 or 2 transmission tables, not 3',
+    ),
+    (
+        {"actuation": "antagonistic", "transmission": [{}, {"preloda": 0.1}]},
+        r'unknown key "transmission\[1\]\.preloda".*Did you mean "preload"',
+    ),
+    (
+        {"transmission": {"law": "lever", "spring": 1.0}},
+        r'law "lever" depends on a set-point, which actuation "series" has not',
+    ),
+    ({"transmissions": [{}]}, r'unknown key "transmissions".*Did you mean "transmission"'),
+    (
+        {
+            "actuation": "serial",
+            "transmission": {
+                "law": "maccepa",
+                "spring": 1.0,
+                "lever": 2.0,
+                "base": 1.0,
+                "drum": 1.0,
+            },
+        },
+        "lever must be less than base",
+    ),
+    ({"setpoint": {"law": "direct"}}, r'actuation "series" has no set-point'),
+    ({"actuation": "serial", "setpoint": {"law": "lever", "r0": 1.0}}, "needs the constant b"),
+    (
+        {"actuation": "serial", "setpoint": {"law": "direct", "b": 1.0}},
+        r'setpoint: law "direct" has no constant b',
+    ),
+    (
+        {"actuation": "serial", "channels": {"setpoint": {"side": "motor"}}},
+        r"channel setpoint.*so \[setpoint\.motor\] gear_ratio is needed",
+    ),
+    (
+        {
+            "actuation": "serial",
+            "setpoint": {"law": "direct", "motor": {}},
+            "channels": {"setpoint": {"side": "motor", "unit": "mm"}},
+        },
+        "channel setpoint is a length",
+    ),
+    (
+        {
+            "actuation": "antagonistic",
+            "motor": [{}, {}],
+            "channels": {"torque_measured": {"side": "motor"}},
+        },
+        "channel torque_measured is always at the joint",
+    ),
+    ({"sources": {"motor": "guessed"}}, r"sources\.motor must begin with \"sourced: \""),
+    ({"sources": {"motor": "sourced: "}}, r"sources\.motor must begin with"),
+    ({"sources": {"motr": "sourced: x"}}, r'unknown key "sources\.motr".*Did you mean "motor"'),
+    (
+        {"sources": {"motor": {"inretia": "sourced: x"}}},
+        r'unknown key "sources\.motor\.inretia".*Did you mean "inertia"',
+    ),
+    ({"sources": 3}, r"sources must be a table"),
     ({"transmission": {"zero": "last"}}, r'transmission\.zero must be "first", "mean" or'),
     ({"estimator": {"cutoff": 0.0}}, r"estimator\.cutoff must be greater than 0"),
     ({"estimator": {"cutoff": 1.0, "window": 1.0}}, "not both"),

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from rotatum import Device, Estimate, Log, estimate, write_table
 from rotatum.models import device_from_tables
-from rotatum.simulation import Sensors, multisine, simulate_series
+from rotatum.simulation import Sensors, multisine, simulate_joint
 
 STIFFNESS = 200.0  # N m/rad
 SECONDS, PERIOD = 4.0, 1e-3
@@ -57,11 +57,11 @@ def small_device(text: str = DEVICE, source: str = "elbow.toml") -> Device:
 @lru_cache(maxsize=1)
 def small_log() -> Log:
     """Four seconds of shaking, torques a per cent noisy."""
-    return simulate_series(
+    return simulate_joint(
         small_device().joints[0],
         seconds=SECONDS,
         period=PERIOD,
-        torque=multisine(rms=5.0, low=0.3, high=10.0, count=20, seed=1),
+        drives={"tau": multisine(rms=5.0, low=0.3, high=10.0, count=20, seed=1)},
         sensors=Sensors(noise={"tau": 0.05, "torque_measured": 0.05}),
         seed=1,
     )

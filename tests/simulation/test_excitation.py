@@ -1,4 +1,4 @@
-"""Torques: the written-out formulas, band limits, seeds."""
+"""Drives: the written-out formulas, band limits, seeds."""
 
 import math
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rotatum.errors import RotatumError
-from rotatum.simulation.excitation import Chirp, Sines, multisine, sine
+from rotatum.simulation import Chirp, Ramps, Sawtooth, Sines, Square, hold, multisine, sine
 
 TIME = np.arange(0.0, 10.0, 1e-3)
 
@@ -54,6 +54,39 @@ def test_chirp_runs_through_its_frequencies_and_then_stays():
     assert np.max(np.abs(np.diff(torque))) <= 2.0 * 2 * math.pi * 9.0 * 1e-5 * 1.001
 
 
+def test_sawtooth_is_the_series_of_its_sines():
+    # off its jumps, where a series of 20,000 sines is right to A / (20,000 pi sin(pi x))
+    time = np.array([0.0, 1.3, 4.9, 5.1, 8.0, 12.7])
+    order = np.arange(1, 20_001)[:, np.newaxis]
+    series = (
+        -2 / np.pi * np.sum((-1.0) ** order / order * np.sin(order * 0.2 * np.pi * time), axis=0)
+    )
+    np.testing.assert_allclose(Sawtooth(50.0, 0.1)(time), 50.0 * series, atol=0.05)
+    assert np.max(Sawtooth(50.0, 0.1)(TIME)) == pytest.approx(50.0, rel=1e-3)
+
+
+def test_square_is_the_sign_of_its_sine():
+    # half a step off the grid: between two samples lies every change of sign
+    time = TIME + 0.5e-3
+    np.testing.assert_array_equal(Square(10.0, 0.3)(time), 10.0 * np.sign(sine(1.0, 0.3)(time)))
+
+
+def test_ramps_go_smoothly_through_their_points_and_hold_where_two_are_equal():
+    path = Ramps((1.0, 3.0, 5.0, 6.0), (0.10, 0.08, 0.08, 0.12))
+    np.testing.assert_allclose(
+        path([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 5.5, 6.0, 9.0]),
+        [0.10, 0.10, 0.09, 0.08, 0.08, 0.08, 0.10, 0.12, 0.12],
+        rtol=1e-14,
+    )
+    fine = np.arange(0.0, 8.0, 1e-3)
+    velocity = np.gradient(path(fine), 1e-3)
+    # the steepest slope of the quintic is 15/8 of the mean one, 0.04 per second
+    assert np.max(velocity) == pytest.approx(0.04 * 15 / 8, rel=1e-5)
+    # no jump of velocity or acceleration: the steepest change is 5.774 per second squared of 0.04
+    assert np.max(np.abs(np.diff(velocity))) < 5.78 * 0.04 * 1e-3
+    assert np.all(hold(0.3)(fine) == 0.3)
+
+
 @pytest.mark.parametrize(
     "make",
     [
@@ -62,8 +95,11 @@ def test_chirp_runs_through_its_frequencies_and_then_stays():
         lambda: multisine(rms=1.0, low=6.0, high=5.0, count=3, seed=0),
         lambda: multisine(rms=1.0, low=1.0, high=5.0, count=0, seed=0),
         lambda: Chirp(1.0, 1.0, 2.0, seconds=0.0),
+        lambda: Ramps((0.0, 1.0), (0.1,)),
+        lambda: Ramps((), ()),
+        lambda: Ramps((1.0, 1.0), (0.1, 0.2)),
     ],
 )
-def test_impossible_torques_are_refused(make):
+def test_impossible_drives_are_refused(make):
     with pytest.raises(RotatumError):
         make()

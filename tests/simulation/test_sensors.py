@@ -8,27 +8,34 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rotatum.errors import RotatumError
+from rotatum.simulation.drives import Inputs
 from rotatum.simulation.excitation import multisine
 from rotatum.simulation.faults import logged_rows, quantise, readings
-from rotatum.simulation.integrate import integrate
-from rotatum.simulation.plant import SeriesPlant
-from rotatum.simulation.sensors import ROLES, Sensors
+from rotatum.simulation.plant import Body, Plant
+from rotatum.simulation.run import run_plant
+from rotatum.simulation.sensors import LOGGED, Sensors
+from rotatum.simulation.trajectory import trajectory
+from tests.simulation.plants import spring
 
 PERIOD = 1e-3
-PLANT = SeriesPlant(0.8, 1.0, 0.1, 15.0, 0.256, 0.32, 0.8, 200.0, 1500.0, 0.05)
+SPRING = spring("cubic", stiffness=200.0, cubic=1500.0, damping=0.05)
+PLANT = Plant("elbow", "series", Body(0.8, 1.0, 0.1), (Body(0.256, 0.32, 0.8),), (SPRING,), 15.0)
 TIME = np.arange(1500) * PERIOD
+ROLES = (*LOGGED["series"], "tau_ext")
 
 
-def _drive(time):
-    tau = multisine(rms=6.0, low=0.5, high=10.0, count=10, seed=0)(time)
-    return integrate(PLANT, time, tau, np.zeros_like(time))
+def _move(time, tau, substeps=None):
+    nothing = np.zeros_like(time)
+    inputs = Inputs(time, tau[:, np.newaxis], nothing, nothing, nothing)
+    return trajectory(PLANT, inputs, run_plant(PLANT, inputs, substeps=substeps).at)
 
 
-TRAJECTORY = _drive(TIME)
+TRAJECTORY = _move(TIME, multisine(rms=6.0, low=0.5, high=10.0, count=10, seed=0)(TIME))
+TRUE = {**TRAJECTORY.position, **TRAJECTORY.held}
 
 
 def _read(sensors, seed=0, counts=None):
-    return readings(PLANT, TRAJECTORY, sensors, roles=ROLES, counts=counts or {}, seed=seed)
+    return readings(TRAJECTORY, sensors, roles=ROLES, counts=counts or {}, seed=seed)
 
 
 IDEAL = _read(Sensors())
@@ -41,10 +48,11 @@ def _differing(channels):
 
 def test_without_faults_the_truth_is_read():
     assert not _differing(
-        {role: getattr(TRAJECTORY, role) for role in ROLES[:3]}
+        {role: TRUE[role] for role in ROLES[:3]}
         | {"torque_measured": IDEAL["torque_measured"], "tau_ext": np.zeros_like(TIME)}
     )
-    phi, rate = TRAJECTORY.q - TRAJECTORY.theta, TRAJECTORY.dq - TRAJECTORY.dtheta
+    phi = TRUE["q"] - TRUE["theta"]
+    rate = TRAJECTORY.velocity["q"] - TRAJECTORY.velocity["theta"]
     transmitted = 200.0 * phi + 1500.0 * phi**3 + 0.05 * rate
     # rounding of sums of 30 N m
     np.testing.assert_allclose(IDEAL["torque_measured"], transmitted, atol=1e-13)
@@ -91,9 +99,9 @@ def test_noise_comes_before_the_counts():
 def test_whole_delays_shift_the_channel():
     read = _read(Sensors(delay={"theta": 3 * PERIOD, "tau": 2 * PERIOD}))
     assert _differing(read) == {"theta", "tau"}
-    np.testing.assert_array_equal(read["theta"][3:], TRAJECTORY.theta[:-3])
-    np.testing.assert_array_equal(read["theta"][:3], TRAJECTORY.theta[0])
-    np.testing.assert_array_equal(read["tau"][2:], TRAJECTORY.tau[:-2])
+    np.testing.assert_array_equal(read["theta"][3:], TRUE["theta"][:-3])
+    np.testing.assert_array_equal(read["theta"][:3], TRUE["theta"][0])
+    np.testing.assert_array_equal(read["tau"][2:], TRUE["tau"][:-2])
     np.testing.assert_array_equal(read["tau"][:2], 0.0)
 
 
@@ -101,21 +109,21 @@ def test_whole_delays_shift_the_channel():
 def test_fractional_delays_read_the_motion_between_the_samples(quarters):
     # the same motion on a clock four times as fast, under the same held torques
     fine_time = np.arange(4 * TIME.size) * PERIOD / 4
-    fine = integrate(PLANT, fine_time, np.repeat(TRAJECTORY.tau, 4), 0 * fine_time, substeps=3)
+    fine = _move(fine_time, np.repeat(TRUE["tau"], 4), substeps=3)
     read = _read(Sensors(delay={"q": quarters * PERIOD / 4, "torque_measured": PERIOD / 2}))
     whole = 4 * np.arange(2, TIME.size)
     # h^4 / 384 q'''' = 1e-9 rad with 1e5 rad/s^4 where friction turns; the steps differ by 1e-7
-    np.testing.assert_allclose(read["q"][2:], fine.q[whole - quarters], atol=2e-7)
-    phi = (fine.q - fine.theta)[whole - 2]
-    rate = (fine.dq - fine.dtheta)[whole - 2]
-    torque = PLANT.elastic_torque(phi) + 0.05 * rate
+    np.testing.assert_allclose(read["q"][2:], fine.position["q"][whole - quarters], atol=2e-7)
+    phi = (fine.position["q"] - fine.position["theta"])[whole - 2]
+    rate = (fine.velocity["q"] - fine.velocity["theta"])[whole - 2]
+    torque = 200.0 * phi + 1500.0 * phi**3 + 0.05 * rate
     # 300 N m/rad times 2e-7 rad, and 0.05 N m s/rad times the slope's error
     np.testing.assert_allclose(read["torque_measured"][2:], torque, atol=1e-4)
 
 
 def test_a_held_command_delayed_by_half_a_sample_is_the_last_one():
     read = _read(Sensors(delay={"tau": PERIOD / 2}))
-    np.testing.assert_array_equal(read["tau"][1:], TRAJECTORY.tau[:-1])
+    np.testing.assert_array_equal(read["tau"][1:], TRUE["tau"][:-1])
 
 
 def test_the_zero_of_the_deflection_is_off_by_the_offset():

@@ -1,4 +1,4 @@
-"""`rotatum devices`: the catalogue, or one device with every value and its unit."""
+"""`rotatum devices`: the catalogue, or one device with every value, its unit and its source."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def devices(
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON instead.")] = False,
 ) -> int:
-    """List the catalogue of devices, or show one with its values and their units."""
+    """List the catalogue of devices, or show one with its values, units and sources."""
     from rotatum.cli.printing import print_json
     from rotatum.models import device_names, load_device
 
@@ -56,12 +56,12 @@ def _print_all(catalogue: list[Device]) -> None:
     from rotatum.cli.printing import stdout
     from rotatum.cli.tables import table_of
 
-    table = table_of("name", "joints", "actuation", "stiffness, N m/rad", "about", numbers=(1, 3))
+    table = table_of("name", "actuation", "law", "joints", numbers=(3,))
     for device in catalogue:
         kinds = ", ".join(dict.fromkeys(joint.actuation for joint in device.joints))
-        known = [joint.transmission.stiffness for joint in device.joints]
-        told = ", ".join("-" if value is None else f"{value:g}" for value in known)
-        table.add_row(device.name, str(len(known)), kinds, told, _about(_text(device)))
+        springs = [spring for joint in device.joints for spring in joint.transmissions]
+        laws = ", ".join(dict.fromkeys(spring.law or "-" for spring in springs))
+        table.add_row(device.name, kinds, laws, str(len(device.joints)))
     console = stdout()
     console.print(table)
     console.print("rotatum devices NAME shows one; a copy of its text makes a device file.")
@@ -74,9 +74,9 @@ def _print_one(device: Device) -> None:
 
     console = stdout()
     for joint in device.joints:
-        table = table_of("value of " + joint.name, "", "unit", numbers=(1,))
-        for key, value, unit in values(joint):
-            table.add_row(key, value, unit)
+        table = table_of("value of " + joint.name, "", "unit", "source", numbers=(1,))
+        for value in values(joint):
+            table.add_row(value.key, value.text, value.unit, value.source.partition(":")[0])
         console.print(table)
     print(f"# {device.source}\n{_text(device)}", end="")
 

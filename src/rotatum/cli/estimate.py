@@ -16,6 +16,7 @@ from rotatum.cli.options import (
     Joints,
     Json,
     Method,
+    Shrinkage,
     Solver,
     Torque,
 )
@@ -35,6 +36,7 @@ def estimate(
     fit: Fit = None,
     forgetting: Forgetting = None,
     solver: Solver = None,
+    shrinkage: Shrinkage = None,
     joint: Joints = None,
     start: Annotated[
         float | None,
@@ -78,6 +80,7 @@ def estimate(
             fit=names(fit),
             forgetting=forgetting,
             solver=solver,
+            shrinkage=shrinkage,
             joints=joint or None,
             start=start,
             output=output,

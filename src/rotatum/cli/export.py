@@ -16,6 +16,7 @@ from rotatum.cli.options import (
     Joints,
     Json,
     Method,
+    Shrinkage,
     Solver,
     Torque,
 )
@@ -42,6 +43,7 @@ def c(
     fit: Fit = None,
     forgetting: Forgetting = None,
     solver: Solver = None,
+    shrinkage: Shrinkage = None,
     joint: Joints = None,
     period: Annotated[
         float | None,
@@ -81,6 +83,7 @@ def c(
             fit=names(fit),
             forgetting=forgetting,
             solver=solver,
+            shrinkage=shrinkage,
             holds=holds_of(robot, opened),
             zeros=zeros_of(robot, opened),
         )

@@ -14,6 +14,7 @@ __all__ = [
     "Joints",
     "Json",
     "Method",
+    "Shrinkage",
     "Solver",
     "Torque",
 ]
@@ -25,7 +26,10 @@ DeviceName = Annotated[
 Method = Annotated[
     str | None, typer.Option(help="weak or residual; else the device file's, else weak.")
 ]
-Torque = Annotated[str | None, typer.Option(help="estimated (from the motor) or sensor.")]
+Torque = Annotated[
+    str | None,
+    typer.Option(help="estimated (from the motor), sensor, or model (the device's own law)."),
+]
 Cutoff = Annotated[float | None, typer.Option(help="Bandwidth of the rows, rad/s.")]
 Fit = Annotated[
     str | None,
@@ -38,6 +42,13 @@ Forgetting = Annotated[
     float | None, typer.Option(help="Weight of a row relative to the next one, 0.998 to 1.")
 ]
 Solver = Annotated[str | None, typer.Option(help="ud or covariance.")]
+Shrinkage = Annotated[
+    bool | None,
+    typer.Option(
+        help="Shrink high orders of the law as far as the data do not ask for them; else the "
+        "device file's, else yes with solver ud."
+    ),
+]
 Joints = Annotated[
     list[str] | None,
     typer.Option(help="Only this joint; give it again for more.", metavar="NAME"),

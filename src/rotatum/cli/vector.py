@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotatum.errors import MethodError
-from rotatum.estimators.estimator import CHANNELS, Estimator, Group, batch_records
-from rotatum.evaluation.run import log_names
+from rotatum.estimators.columns import setpoint_scale
+from rotatum.estimators.estimator import Estimator, Group, batch_records
+from rotatum.evaluation.run import log_names, mean_zeros
 from rotatum.logs import Log, LogReader
 from rotatum.models import Device, Joint
 from rotatum.record import Records
@@ -44,18 +45,15 @@ def period_of(device: Device, asked: float | None, log: LogReader | None) -> flo
     return found
 
 
-def zeros_of(device: Device, log: LogReader | None) -> dict[str, float]:
-    """Return the deflection at rest of joints that take the log's mean.
+def zeros_of(device: Device, log: LogReader | None) -> dict[str, list[float]]:
+    """Return the deflections at rest of joints that take the log's mean.
 
     Parameters
     ----------
     device : to be exported.
     log : for the test vector, or None.
     """
-    wanted = [joint.name for joint in device.joints if joint.transmission.zero == "mean"]
-    if log is None:
-        return {}
-    return {name: log.mean_deflection(log_names(log, device)[name]) for name in wanted}
+    return {} if log is None else mean_zeros(log, device, log_names(log, device))
 
 
 def holds_of(device: Device, log: LogReader | None) -> dict[str, Mapping[str, str]] | None:
@@ -119,19 +117,17 @@ def records(loop: Estimator, group: Group, log: LogReader | None) -> Records:
         time = _again(np.concatenate([piece.time for piece in pieces]), loop.period)
     u["time"] = time[:, np.newaxis]
     for place, channels in enumerate(made):
-        for field in ("q", "theta", group.torque_field):
-            u[field][:, place] = channels[field]
+        for role in group.roles:
+            u[role][:, place] = channels[role]
     return u
 
 
 def _logged(pieces: list[Log], joint: str, group: Group, source: str) -> dict[str, Array]:
-    role = CHANNELS[group.prepared[0].settings.torque]
     found: dict[str, Array] = {}
-    for field, wanted in (("q", "q"), ("theta", "theta"), (group.torque_field, role)):
-        if wanted not in pieces[0].joints.get(joint, {}):
-            raise MethodError(f"the log lacks the channel {wanted} of joint {joint}", where=source)
-        whole = np.concatenate([piece.joints[joint][wanted] for piece in pieces])
-        found[field] = np.resize(whole, SAMPLES)
+    for role in group.roles:
+        if role not in pieces[0].joints.get(joint, {}):
+            raise MethodError(f"the log lacks the channel {role} of joint {joint}", where=source)
+        found[role] = np.resize(np.concatenate([p.joints[joint][role] for p in pieces]), SAMPLES)
     return found
 
 
@@ -143,27 +139,39 @@ def _again(time: Array, period: float) -> Array:
 
 
 def _made_up(joint: Joint, period: float) -> dict[str, Array]:
-    """Return a motion that obeys the motor's balance, with gaps and bad samples in it."""
+    """Return a motion that obeys the motors' balances, with gaps and bad samples in it."""
     missing = np.concatenate([np.arange(first, first + many) for first, many in _GAPS])
     kept = np.setdiff1d(np.arange(SAMPLES + missing.size), missing)
     t = period * kept
     slow = min(1.0, 0.02 / period)  # no faster than the sampling can follow
-    theta, dtheta, ddtheta = _sines(t, ((0.3, 0.2 * slow, 0.0), (0.05, 1.3 * slow, 0.5)))
+    q = _sines(t, ((0.3, 0.2 * slow, 0.0), (0.05, 1.3 * slow, 0.5)))
+    found = {"time": t, "q": _counted(q[0], joint.encoders.resolution("link"))}
+    setpoint = np.zeros_like(t)
+    if joint.actuation == "serial":
+        scale = setpoint_scale(joint)
+        wave = _sines(t, ((0.9, 0.07 * slow, 0.3),))[0]
+        found["setpoint"] = scale.logged_middle + scale.logged_half * wave
+        setpoint = scale.middle + scale.half * wave
     reach = 0.8 * (joint.basis.deflection_range or _RANGE)
-    phi, _, _ = _sines(t, ((0.6 * reach, 0.9 * slow, 0.2), (0.4 * reach, 2.7 * slow, 1.0)))
-    spring = joint.transmission
-    elastic = (spring.stiffness or _STIFFNESS) * phi + (spring.cubic or 0.0) * phi**3
-    tau = -elastic
-    for motor in joint.motors[:1]:
-        inertia = motor.reflected_inertia
-        tau = tau + motor.reflected_damping.value * dtheta
-        tau = tau + motor.reflected_coulomb.value * np.sign(dtheta)
-        tau = tau + (inertia.value if inertia is not None else 0.0) * ddtheta
+    for i, transmission in enumerate(joint.transmissions):
+        end = str(i + 1) if joint.actuation == "antagonistic" else ""
+        parts = ((0.6 * reach, 0.9 * slow, 0.2), (0.4 * reach, 2.7 * slow, 1.0 + i))
+        phi = _sines(t, parts)
+        elastic = _STIFFNESS * phi[0]
+        if transmission.law is not None:
+            elastic = transmission.torque(phi[0], setpoint)
+        theta, dtheta, ddtheta = (a - b for a, b in zip(q, phi, strict=True))
+        tau = -elastic
+        for motor in joint.motors[i : i + 1]:
+            inertia = motor.reflected_inertia
+            tau = tau + motor.reflected_damping.value * dtheta
+            tau = tau + motor.reflected_coulomb.value * np.sign(dtheta)
+            tau = tau + (inertia.value if inertia is not None else 0.0) * ddtheta
+        tau[_NOT_FINITE] = np.nan
+        found[f"theta{end}"] = _counted(theta, joint.encoders.resolution("motor"))
+        found[f"tau{end}"], found[f"torque_measured{end}"] = tau, elastic
     t[_REPEATED] = t[_REPEATED - 1]
-    tau[_NOT_FINITE] = np.nan
-    q = _counted(theta + phi, joint.encoders.resolution("link"))
-    theta = _counted(theta, joint.encoders.resolution("motor"))
-    return {"time": t, "q": q, "theta": theta, "tau": tau, "torque": elastic}
+    return found
 
 
 def _sines(t: Array, parts: tuple[tuple[float, float, float], ...]) -> tuple[Array, Array, Array]:

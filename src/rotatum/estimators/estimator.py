@@ -10,13 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from rotatum.errors import MethodError
 from rotatum.estimators.settings import Request, settle
+from rotatum.estimators.shapes import roles
 from rotatum.estimators.tuning import Prepared, prepare
 from rotatum.kernels.status import VERDICTS
 from rotatum.models import Device
 from rotatum.record import Records
 from rotatum.runtime.bank import Bank
-
-CHANNELS = {"estimated": "tau", "sensor": "torque_measured"}
 
 
 class Group:
@@ -32,9 +31,10 @@ class Group:
         self.out = stage.output.zeros(len(prepared))
 
     @property
-    def torque_field(self) -> str:
-        """Name of the torque in this group's input record."""
-        return "tau" if "tau" in self.bank.stage.input.fields else "torque"
+    def roles(self) -> tuple[str, ...]:
+        """Channels of the log this group's input record is made of."""
+        shape = self.prepared[0].shape
+        return roles(shape.actuation, shape.torque)
 
 
 class Readings:
@@ -100,13 +100,15 @@ class Estimator:
         device: from ``load_device``.
         period: sample period, s.
         method: ``"weak"`` or ``"residual"``; ``None``: the device file's, then ``"weak"``.
-        torque: ``"estimated"`` or ``"sensor"``.
+        torque: ``"estimated"``, ``"sensor"`` or ``"model"``.
         cutoff: rad/s.
         fit: columns fitted beside the stiffness.
         forgetting: weight of a row relative to the next one, 0.998 to 1.
         solver: ``"ud"`` or ``"covariance"``.
+        shrinkage: whether high orders are shrunk as far as the data do not ask for them.
         holds: joint to role to ``"held"`` or ``"sampled"``; ``None``: the device's channels.
-        zeros: joint to deflection at rest, rad; ``None``: the device file's rule.
+        zeros: joint to deflection at rest of each transmission, rad; ``None``: the device
+            file's rule.
 
     Raises:
         MethodError: a setting, or something the device lacks; names joint, value and allowed ones.
@@ -124,13 +126,14 @@ class Estimator:
         fit: Sequence[str] | None = None,
         forgetting: float | None = None,
         solver: str | None = None,
+        shrinkage: bool | None = None,
         holds: Mapping[str, Mapping[str, str]] | None = None,
-        zeros: Mapping[str, float] | None = None,
+        zeros: Mapping[str, Sequence[float]] | None = None,
     ) -> None:
         if not period > 0.0:
             raise MethodError("period must be positive (s)", where=device.source, value=period)
         columns = None if fit is None else tuple(fit)
-        request = Request(method, side, torque, cutoff, columns, forgetting, solver)
+        request = Request(method, side, torque, cutoff, columns, forgetting, solver, shrinkage)
         self.device = device
         self.period = float(period)
         self.prepared = tuple(
@@ -139,7 +142,7 @@ class Estimator:
                 settle(joint, device, period, request),
                 period=period,
                 holds=_holds(joint.name, joint.channels, holds),
-                zero=(zeros or {}).get(joint.name),
+                zeros=(zeros or {}).get(joint.name),
             )
             for joint in device.joints
         )
@@ -158,45 +161,70 @@ class Estimator:
         self,
         *,
         q: ArrayLike,
-        theta: ArrayLike,
+        theta: ArrayLike | None = None,
+        theta1: ArrayLike | None = None,
+        theta2: ArrayLike | None = None,
+        setpoint: ArrayLike | None = None,
         tau: ArrayLike | None = None,
+        tau1: ArrayLike | None = None,
+        tau2: ArrayLike | None = None,
         torque_measured: ArrayLike | None = None,
+        torque_measured1: ArrayLike | None = None,
+        torque_measured2: ArrayLike | None = None,
         time: float | None = None,
         enable: ArrayLike = 1,
     ) -> Readings:
         """Take one sample of every joint; a bad one is skipped and said in ``status``.
 
+        Every array has one value per joint of the device; which are needed follows from the
+        joints' actuation and torque source, and values of joints that do not have them are unused.
+
         Args:
-            q: link positions, rad, one per joint of the device.
-            theta: motor positions at the joint, rad.
-            tau: motor torques at the joint, N m (for joints whose torque is estimated).
-            torque_measured: measured elastic torques, N m (for joints with a sensor).
+            q: link positions, rad.
+            theta: motor positions at the joint, rad (series and serial joints).
+            theta1, theta2: agonist's and antagonist's, rad (antagonistic joints).
+            setpoint: set-points as logged (serial joints).
+            tau, tau1, tau2: motor torques at the joint, N m (torque estimated).
+            torque_measured, torque_measured1, torque_measured2: measured elastic torques, N m
+                (torque from a sensor).
             time: of the sample, s; ``None``: one period after the one before.
             enable: 0 stops learning (not filtering), per joint or for all.
 
         Returns:
             Readings over the joints; the same object every time.
+
+        Raises:
+            MethodError: a channel that some joint needs is missing; names it and the joint.
         """
         now = self._samples * self.period if time is None else time
-        self._samples += 1
+        given = {
+            "q": q,
+            "theta": theta,
+            "theta1": theta1,
+            "theta2": theta2,
+            "setpoint": setpoint,
+            "tau": tau,
+            "tau1": tau1,
+            "tau2": tau2,
+            "torque_measured": torque_measured,
+            "torque_measured1": torque_measured1,
+            "torque_measured2": torque_measured2,
+        }
         n, alone = len(self.prepared), len(self.groups) == 1
         for group in self.groups:
-            torque = tau if group.torque_field == "tau" else torque_measured
-            if torque is None:
-                raise MethodError(
-                    f"update needs {CHANNELS[group.prepared[0].settings.torque]} for joint "
-                    f"{group.prepared[0].joint.name}"
-                )
             u = group.u
             u["time"] = now
-            for field, value in (
-                ("q", q),
-                ("theta", theta),
-                (group.torque_field, torque),
-                ("enable", enable),
-            ):
-                u[field] = value if alone else np.broadcast_to(value, (n,))[group.places]
-            group.bank.update(u, group.out)
+            for role in group.roles:
+                value = given[role]
+                if value is None:
+                    raise MethodError(
+                        f"update needs {role} for joint {group.prepared[0].joint.name}"
+                    )
+                u[role] = value if alone else np.broadcast_to(value, (n,))[group.places]
+            u["enable"] = enable if alone else np.broadcast_to(enable, (n,))[group.places]
+        self._samples += 1
+        for group in self.groups:
+            group.bank.update(group.u, group.out)
         return self._readings
 
     def reset(self) -> None:

@@ -6,17 +6,19 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rotatum.estimators.series import Shape
 from rotatum.estimators.settings import Request, settle
-from rotatum.estimators.tuning import prepare
+from rotatum.estimators.shapes import Shape
+from rotatum.estimators.tuning import Prepared, prepare
 from rotatum.kernels import lowpass
 from rotatum.models import device_from_tables
 from rotatum.record import Records
 from rotatum.runtime.stage import Stage
 
 PERIOD = 1e-3
-STIFFNESS, HARDENING = 120.0, 2000.0
+Array = NDArray[np.float64]
+STIFFNESS, HARDENING, SPRING = 120.0, 2000.0, 14220.0
 INERTIA, DAMPING, COULOMB, GEAR = 4e-5, 5e-5, 0.01, 80.0
 
 
@@ -48,27 +50,33 @@ def lowpass_stage() -> Stage:
     )
 
 
+KINDS: tuple[tuple[str, Request], ...] = (
+    ("series", Request("weak", fit=("coulomb", "offset"))),
+    ("series", Request("weak", torque="sensor", fit=("offset",), shrinkage=False)),
+    ("series", Request("residual", solver="covariance", fit=("offset",))),
+    ("series", Request("residual", torque="sensor", fit=("offset",))),
+    ("serial", Request("weak", fit=("offset",))),
+    ("serial", Request("residual", torque="model", fit=())),
+    ("antagonistic", Request("weak", fit=("offset",))),
+    ("antagonistic", Request("residual", torque="sensor", fit=())),
+)
+"""Actuation and settings of the examples: enough to reach every kernel."""
+
+
 def example_stages(samples: int = 2000) -> tuple[Example, ...]:
     """Return every kind of stage there is, with two joints' parameters and samples."""
     found = [_lowpass(samples)]
-    for method, torque, solver, fit in (
-        ("weak", "estimated", "ud", ("coulomb", "offset")),
-        ("weak", "sensor", "ud", ("offset",)),
-        ("residual", "estimated", "covariance", ("offset",)),
-        ("residual", "sensor", "ud", ("offset",)),
-    ):
-        found.append(_series(samples, Request(method, torque=torque, solver=solver, fit=fit)))
+    for actuation, request in KINDS:
+        prepared = _prepared(actuation, request)
+        params = np.concatenate([prepared.params, prepared.params])
+        inputs = example_signals(prepared.stage, actuation, samples)
+        found.append(Example(prepared.stage, params, inputs))
     return tuple(found)
 
 
 def example_shapes() -> tuple[Shape, ...]:
-    """Return the shapes of ``example_stages``: enough to reach every kernel."""
-    return (
-        Shape("weak", "estimated", 2, 4, 3),
-        Shape("weak", "sensor", 2, 3, 3),
-        Shape("residual", "estimated", 2, 3, 3, "covariance"),
-        Shape("residual", "sensor", 2, 3, 3),
-    )
+    """Return the shapes of ``example_stages``."""
+    return tuple(_prepared(actuation, request).shape for actuation, request in KINDS)
 
 
 def _lowpass(samples: int) -> Example:
@@ -82,49 +90,83 @@ def _lowpass(samples: int) -> Example:
     return Example(stage, params, inputs)
 
 
-def _series(samples: int, request: Request) -> Example:
-    joint = {
-        "motor": {
-            "inertia": INERTIA,
-            "damping": DAMPING,
-            "coulomb": COULOMB,
-            "gear_ratio": GEAR,
-            "torque_limit": 10.0,
-        },
+def _prepared(actuation: str, request: Request) -> Prepared:
+    motor = {
+        "inertia": INERTIA,
+        "damping": DAMPING,
+        "coulomb": COULOMB,
+        "gear_ratio": GEAR,
+        "torque_limit": 10.0,
+    }
+    tables: dict[str, object] = {
+        "name": "example",
+        "actuation": actuation,
+        "motor": [motor, motor] if actuation == "antagonistic" else motor,
+        "transmission": {"law": "cubic", "stiffness": STIFFNESS, "cubic": HARDENING},
         "encoders": {"link": 65536.0, "motor": 65536.0, "wrap_link": 2.0 * math.pi},
         "basis": {"deflection_range": 0.1, "orders": 2},
     }
-    device = device_from_tables({"name": "example", **joint}, "example")
+    if actuation == "serial":
+        tables["transmission"] = {"law": "lever", "spring": SPRING}
+        tables["setpoint"] = {"law": "lever", "r0": 0.1, "b": 4e-4}
+        tables["basis"] = {
+            "deflection_range": 0.1,
+            "orders": 2,
+            "setpoint_range": [0.06, 0.12],
+            "setpoint_orders": 2,
+        }
+    device = device_from_tables(tables, "example")
     chosen = settle(device.joints[0], device, PERIOD, request)
-    prepared = prepare(device.joints[0], chosen, period=PERIOD, holds={}, zero=0.0)
-    params = np.concatenate([prepared.params, prepared.params])
-    return Example(prepared.stage, params, series_signals(prepared.stage, samples))
+    zeros = [0.0] * len(device.joints[0].transmissions)
+    return prepare(device.joints[0], chosen, period=PERIOD, holds={}, zeros=zeros)
 
 
-def series_signals(stage: Stage, samples: int) -> Records:
-    """Samples of two joints whose motor obeys its equation exactly, encoders quantised.
+def example_signals(stage: Stage, actuation: str, samples: int) -> Records:
+    """Samples of two joints whose motors obey their equations exactly, encoders quantised.
 
     ``theta`` and ``phi`` are sums of sines, ``q = theta + phi`` and
-    ``tau = B theta'' + D theta' + C sgn(theta') - (K phi + K3 phi^3)``.
+    ``tau = B theta'' + D theta' + C sgn(theta') - tau_e(phi)``. The antagonist of a pair stands
+    where another deflection of the same link puts it.
     """
-    time = PERIOD * np.arange(samples)
+    time: Array = PERIOD * np.arange(samples, dtype=np.float64)
     inputs = stage.input.zeros(samples, 2)
     inputs["time"] = time[:, None]
     inputs["enable"] = 1
-    n2 = GEAR**2
     for j, rate in enumerate((5.0, 8.0)):
-        theta = 0.3 * np.sin(rate * time) + 0.1 * np.sin(2.7 * rate * time)
-        speed = 0.3 * rate * np.cos(rate * time) + 0.27 * rate * np.cos(2.7 * rate * time)
-        acceleration = -0.3 * rate**2 * np.sin(rate * time)
-        acceleration -= 0.1 * (2.7 * rate) ** 2 * np.sin(2.7 * rate * time)
-        phi = 0.06 * np.sin(1.3 * rate * time + 0.4) + 0.03 * np.cos(3.1 * rate * time)
-        elastic = STIFFNESS * phi + HARDENING * phi**3
-        step = 2.0 * np.pi / 65536.0
-        inputs["theta"][:, j] = np.round(theta / step) * step
-        inputs["q"][:, j] = np.round((theta + phi) / step) * step
-        if "tau" in stage.input.fields:
-            friction = DAMPING * n2 * speed + COULOMB * GEAR * np.sign(speed)
-            inputs["tau"][:, j] = INERTIA * n2 * acceleration + friction - elastic
-        else:
-            inputs["torque"][:, j] = elastic
+        q = _wave(time, rate, (0.35, 1.0, 0.0), (0.1, 2.7, 0.0))
+        inputs["q"][:, j] = _quantised(q[0])
+        ends = ("1", "2") if actuation == "antagonistic" else ("",)
+        for k, end in enumerate(ends):
+            phi = _wave(time, rate, (0.06, 1.3 + 0.2 * k, 0.4), (0.03, 3.1, 1.6 + k))
+            elastic = STIFFNESS * phi[0] + HARDENING * phi[0] ** 3
+            if actuation == "serial":
+                angle = 40.0 * np.sin(0.7 * rate * time)
+                inputs["setpoint"][:, j] = angle
+                elastic = SPRING * (0.1 - 4e-4 * angle) ** 2 * np.sin(2.0 * phi[0])
+            theta = [a - b for a, b in zip(q, phi, strict=True)]
+            inputs[f"theta{end}"][:, j] = _quantised(theta[0])
+            if f"tau{end}" in stage.input.fields:
+                friction = DAMPING * GEAR**2 * theta[1] + COULOMB * GEAR * np.sign(theta[1])
+                inputs[f"tau{end}"][:, j] = INERTIA * GEAR**2 * theta[2] + friction - elastic
+            if f"torque_measured{end}" in stage.input.fields:
+                inputs[f"torque_measured{end}"][:, j] = elastic
     return inputs
+
+
+def _wave(time: Array, rate: float, *sines: tuple[float, float, float]) -> tuple[Array, ...]:
+    """A sum of sines (amplitude, factor on the rate, phase) and its first two derivatives."""
+    return tuple(
+        sum(
+            (
+                size * (factor * rate) ** n * np.sin(factor * rate * time + at + n * math.pi / 2.0)
+                for size, factor, at in sines
+            ),
+            np.zeros_like(time),
+        )
+        for n in range(3)
+    )
+
+
+def _quantised(angle: Array) -> Array:
+    step = 2.0 * np.pi / 65536.0
+    return np.round(angle / step) * step

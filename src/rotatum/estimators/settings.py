@@ -9,7 +9,7 @@ from rotatum.errors import MethodError, nearest
 from rotatum.models import Device, Joint
 
 METHODS = ("residual", "weak")
-TORQUES = ("estimated", "sensor")
+TORQUES = ("estimated", "sensor", "model")
 SOLVERS = ("ud", "covariance")
 MOTOR_COLUMNS = ("inertia", "damping", "coulomb", "skew", "transmission_damping", "offset")
 SENSOR_COLUMNS = ("skew", "transmission_damping", "offset")
@@ -24,11 +24,12 @@ class Settings:
 
     Args:
         method: ``"weak"`` or ``"residual"``.
-        torque: ``"estimated"`` from the motor, or a ``"sensor"``'s.
+        torque: ``"estimated"`` from the motor, a ``"sensor"``'s, or the device's own ``"model"``.
         cutoff: bandwidth of the operator, rad/s.
         fit: columns fitted beside the stiffness, in the order of ``MOTOR_COLUMNS``.
         forgetting: weight of a row relative to the next one.
         solver: ``"ud"`` or ``"covariance"``.
+        shrinkage: whether high orders are shrunk as far as the data do not ask for them.
         reasons: setting name to where its value comes from.
     """
 
@@ -38,6 +39,7 @@ class Settings:
     fit: tuple[str, ...]
     forgetting: float
     solver: str
+    shrinkage: bool
     reasons: dict[str, str]
 
 
@@ -52,6 +54,7 @@ class Request:
     fit: tuple[str, ...] | None = None
     forgetting: float | None = None
     solver: str | None = None
+    shrinkage: bool | None = None
 
 
 def settle(joint: Joint, device: Device, period: float, request: Request) -> Settings:
@@ -74,13 +77,6 @@ def settle(joint: Joint, device: Device, period: float, request: Request) -> Set
         return default
 
     filed = joint.estimator
-    if joint.actuation != "series":
-        raise MethodError(
-            "this actuation cannot be estimated yet",
-            where=where,
-            value=joint.actuation,
-            allowed=("series",),
-        )
     method = _choice("method", pick("method", request.method, filed.method, "weak"), METHODS, where)
     side = _choice("side", request.side or filed.side or "motor", ("motor",), where)
     reasons["side"] = side
@@ -97,12 +93,19 @@ def settle(joint: Joint, device: Device, period: float, request: Request) -> Set
     cutoff = _cutoff(pick("cutoff", request.cutoff, filed.cutoff, default), method, period, where)
     if reasons["cutoff"] == "default":
         reasons["cutoff"] = f"default: {DEFAULT_CUTOFF:g} rad/s, at most half the sample rate"
-    fit = _fit(pick("fit", request.fit, filed.fit, ("offset",)), method, torque, where)
+    # A full basis has a constant of its own.
+    usual = () if joint.basis.full else ("offset",)
+    fit = _fit(pick("fit", request.fit, filed.fit, usual), joint, method, torque, where)
     forgetting = _forgetting(pick("forgetting", request.forgetting, filed.forgetting, 1.0), where)
     solver = _choice("solver", pick("solver", request.solver, None, "ud"), SOLVERS, where)
+    asked = pick("shrinkage", request.shrinkage, filed.shrinkage, solver == "ud")
+    shrinkage = _shrinkage(asked, solver, where)
     if torque == "estimated":
         _needs_motor(joint, fit, method, where)
-    return Settings(method, torque, cutoff, fit, forgetting, solver, reasons)
+    if torque == "model":
+        _needs_law(joint, where)
+    _needs_setpoint(joint, where)
+    return Settings(method, torque, cutoff, fit, forgetting, solver, shrinkage, reasons)
 
 
 def _choice(name: str, value: object, allowed: tuple[str, ...], where: str) -> str:
@@ -137,7 +140,7 @@ def _forgetting(value: object, where: str) -> float:
     return float(value)
 
 
-def _fit(value: object, method: str, torque: str, where: str) -> tuple[str, ...]:
+def _fit(value: object, joint: Joint, method: str, torque: str, where: str) -> tuple[str, ...]:
     asked = tuple(value) if isinstance(value, tuple | list) else (value,)
     allowed = _columns(method, torque)
     for name in asked:
@@ -152,6 +155,13 @@ def _fit(value: object, method: str, torque: str, where: str) -> tuple[str, ...]
             hint = "Method weak can." if known and method == "residual" else None
             hint = hint or (f'Did you mean "{close}"?' if close else None)
             raise MethodError(what, where=where, value=name, allowed=allowed, hint=hint)
+    if "offset" in asked and joint.basis.full:
+        raise MethodError(
+            "a full basis has a constant already",
+            where=where,
+            value=list(asked),
+            hint="Leave offset out; the coefficient of power 0 is it.",
+        )
     if {"skew", "damping"} <= set(asked):
         raise MethodError(
             "skew and damping are the same column seen from the motor side",
@@ -169,6 +179,17 @@ def _columns(method: str, torque: str) -> tuple[str, ...]:
     return MOTOR_COLUMNS if torque == "estimated" else SENSOR_COLUMNS
 
 
+def _shrinkage(value: object, solver: str, where: str) -> bool:
+    if not isinstance(value, bool) or (value and solver != "ud"):
+        raise MethodError(
+            "shrinking high orders needs the lower ones nested in the solver's factor",
+            where=where,
+            value=value,
+            allowed="true or false with solver ud, false with covariance",
+        )
+    return value
+
+
 def _needs_motor(joint: Joint, fit: tuple[str, ...], method: str, where: str) -> None:
     if not joint.motors:
         raise MethodError(
@@ -176,9 +197,30 @@ def _needs_motor(joint: Joint, fit: tuple[str, ...], method: str, where: str) ->
             where=where,
             hint="Give its inertia, or use --torque sensor.",
         )
-    if joint.motors[0].inertia is None and "inertia" not in fit:
+    if "inertia" not in fit and any(motor.inertia is None for motor in joint.motors):
         raise MethodError(
             "the elastic torque cannot be estimated without the motor's inertia",
             where=where,
             hint="Give [motor] inertia, fit it (method weak), or use --torque sensor.",
+        )
+
+
+def _needs_law(joint: Joint, where: str) -> None:
+    laws = {transmission.law for transmission in joint.transmissions}
+    if None in laws or len(laws) > 1:
+        raise MethodError(
+            "torque from the model needs the device's own law, the same for both transmissions",
+            where=where,
+            value=[transmission.law for transmission in joint.transmissions],
+            hint="Give [transmission] law and its constants.",
+        )
+
+
+def _needs_setpoint(joint: Joint, where: str) -> None:
+    if joint.basis.setpoint_orders > 0 and joint.actuation != "serial":
+        raise MethodError(
+            f"actuation {joint.actuation} has no set-point",
+            where=where,
+            value=joint.basis.setpoint_orders,
+            allowed="[basis] setpoint_orders = 0",
         )

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rotatum.estimators.columns import Power
+from rotatum.evaluation.parts import PartEstimate
 from rotatum.evaluation.table import reading_columns
 from rotatum.models import Device
 from rotatum.record import Records
@@ -27,12 +29,17 @@ class JointEstimate:
         records: ``(N,)`` records of ``Reading`` (time s, stiffness N m/rad, ...), every
             ``every``-th sample.
         every: 1 unless the log was too long to keep every sample.
-        columns: names of the regressors, basis terms first.
+        columns: names of the regressors, fitted ones first, then the basis; of an antagonistic
+            joint the agonist's, ending in 1, then the antagonist's. A set-point ``s`` in them is
+            less the middle of its range.
         coefficients, coefficients_std: (p,) final values in SI at the joint.
+        parts: each transmission's own result; a series or serial joint has one.
         fitted: quantity to (value, standard deviation), in the device file's side and units.
         stiffness: ``final``, ``mean``, ``min``, ``max``, N m/rad; the last three over the scored
             samples, which are those from ``score_from`` on.
         stiffness_std: at the last sample, N m/rad.
+        external_stiffness: at the last sample, gravity on the link included (flacco2012 eq. 6),
+            N m/rad; None where the device describes no link.
         torque_rms: of the fitted elastic torque, N m.
         verdict: at the last sample.
         reason: a sentence saying why.
@@ -43,8 +50,10 @@ class JointEstimate:
         samples: per status bit name, how many samples had it.
         ns_per_sample: time of the kernels, ns.
         settings: setting to its value and why.
+        powers: terms of the basis, in the order of the columns.
+        logged: role to what was logged at the kept samples: ``q``, ``setpoint``,
+            ``torque_measured`` where there are such.
         truth_records: ``stiffness`` and ``torque`` truth at the kept samples, empty if not known.
-        measured_torque: measured elastic torque at the kept samples, empty if not measured.
     """
 
     name: str
@@ -53,9 +62,11 @@ class JointEstimate:
     columns: tuple[str, ...]
     coefficients: NDArray[np.float64]
     coefficients_std: NDArray[np.float64]
+    parts: tuple[PartEstimate, ...]
     fitted: Mapping[str, tuple[float, float]]
     stiffness: Mapping[str, float]
     stiffness_std: float
+    external_stiffness: float | None
     torque_rms: float
     verdict: str
     reason: str
@@ -65,23 +76,37 @@ class JointEstimate:
     samples: Mapping[str, int]
     ns_per_sample: float
     settings: Mapping[str, str]
+    powers: tuple[Power, ...] = ()
+    logged: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     truth_records: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
-    measured_torque: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
 
     def to_json(self) -> dict[str, Any]:
         """The joint's entry in ``--json``."""
         return {
             "stiffness": dict(self.stiffness),
             "stiffness_std": self.stiffness_std,
+            "external_stiffness": self.external_stiffness,
             "torque_rms": self.torque_rms,
-            "coefficients": [float(c) for c in self.coefficients],
+            "coefficients": [float(c) for c in self.law_coefficients],
             "verdict": self.verdict,
             "reason": self.reason,
             "converged_at": self.converged_at,
             "fitted": {k: list(v) for k, v in self.fitted.items()},
             "truth": None if self.truth is None else dict(self.truth),
             "ns_per_sample": self.ns_per_sample,
+            **self._transmissions(),
         }
+
+    @property
+    def law_coefficients(self) -> NDArray[np.float64]:
+        """Coefficients of the elastic law alone, low to high order, the agonist's first."""
+        own = len(self.powers)
+        return np.concatenate([p.coefficients[len(p.coefficients) - own :] for p in self.parts])
+
+    def _transmissions(self) -> dict[str, Any]:
+        if len(self.parts) < 2:
+            return {}
+        return {"transmissions": [part.to_json() for part in self.parts]}
 
 
 @dataclass(frozen=True)
@@ -139,7 +164,8 @@ class Estimate:
         """Write the kept samples as a table (CSV, NPZ or Parquet by the ending).
 
         Canonical columns: ``time``, ``<joint>.stiffness``, ``.stiffness_std``, ``.torque``,
-        ``.torque_std``, ``.dstiffness``, ``.deflection``, ``.verdict``, ``.status``.
+        ``.torque_std``, ``.dstiffness``, ``.deflection``, ``.verdict``, ``.status``; see
+        ``rotatum.evaluation.table``.
 
         Raises:
             OutputError: it cannot be written; no partial file is left.
@@ -150,7 +176,9 @@ class Estimate:
         first = self.joints[names[0]]
         columns: dict[str, NDArray[Any]] = {"time": first.records["time"]}
         for name in names:
-            columns |= reading_columns(name, self.joints[name].records)
+            joint = next(j for j in self.device.joints if j.name == name)
+            found = self.joints[name]
+            columns |= reading_columns(joint, found.records, found.logged["q"])
         write_table(path, columns)
 
     def plot(self) -> Figure:

@@ -59,7 +59,10 @@ def sample_warnings(name: str, counts: Mapping[str, int], samples: int) -> list[
 
 
 def zero_warning(
-    name: str, prepared: Prepared, fitted: Mapping[str, tuple[float, float]], sigma: float
+    name: str,
+    prepared: Prepared,
+    fitted: Mapping[str, tuple[float, float]],
+    sigma: float,
 ) -> list[str]:
     """An odd law about a wrong zero is the wrong law: a fitted offset takes only the constant."""
     basis = prepared.joint.basis
@@ -78,11 +81,15 @@ def zero_warning(
 
 
 def skew_warning(
-    name: str, prepared: Prepared, fitted: Mapping[str, tuple[float, float]], sigma: float
+    name: str,
+    prepared: Prepared,
+    part: int,
+    fitted: Mapping[str, tuple[float, float]],
+    sigma: float,
 ) -> list[str]:
     """From the motor side a skew of the encoders and viscous friction are one column: say both."""
-    motor = prepared.joint.motors[0] if prepared.joint.motors else None
-    if motor is None or prepared.settings.torque == "sensor":
+    motor = prepared.joint.motors[part] if prepared.joint.motors else None
+    if motor is None or prepared.settings.torque != "estimated":
         return []
     gear_ratio = motor.gear_ratio
     if "skew" in fitted:

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from rotatum.estimators.tuning import Prepared
-from rotatum.record import Records
+
+Values = NDArray[np.float64]
 
 
-def fitted_quantities(prepared: Prepared, reading: Records) -> dict[str, tuple[float, float]]:
-    """Quantity to (value, standard deviation).
+def fitted_quantities(
+    prepared: Prepared, part: int, values: Values, stds: Values, sigma: float, sigma_std: float
+) -> dict[str, tuple[float, float]]:
+    """Quantity to (value, standard deviation), for one transmission.
 
     Coefficients are corrections to the device file's values at the joint; they are added to those
     and taken to the motor's side of the gear: inertia and damping by ``gear_ratio^2``, Coulomb
@@ -18,29 +24,34 @@ def fitted_quantities(prepared: Prepared, reading: Records) -> dict[str, tuple[f
 
     Args:
         prepared: the joint's constants and columns.
-        reading: the last ``Reading``.
+        part: which transmission.
+        values, stds: (p,) its coefficients and their standard deviations, normalised.
+        sigma, sigma_std: its stiffness, N m/rad.
     """
     found: dict[str, tuple[float, float]] = {}
-    first = len(prepared.columns) - len(prepared.settings.fit)
-    for h, name in enumerate(prepared.settings.fit, start=first):
-        value = float(reading["coefficients"][h]) / prepared.scales[h]
-        std = float(reading["coefficients_std"][h]) / prepared.scales[h]
-        found[name] = _quantity(name, value, std, prepared, reading)
+    for h, name in enumerate(prepared.settings.fit):
+        value = float(values[h]) / prepared.scales[h]
+        std = float(stds[h]) / prepared.scales[h]
+        if name == "skew":
+            found[name] = _skew(value, std, sigma, sigma_std)
+        else:
+            found[name] = _quantity(name, value, std, prepared, part)
     return found
 
 
+def _skew(value: float, std: float, sigma: float, sigma_std: float) -> tuple[float, float]:
+    if sigma == 0.0:
+        return math.nan, math.inf
+    skew = value / sigma
+    return skew, math.hypot(std / sigma, skew * sigma_std / sigma)
+
+
 def _quantity(
-    name: str, value: float, std: float, prepared: Prepared, reading: Records
+    name: str, value: float, std: float, prepared: Prepared, part: int
 ) -> tuple[float, float]:
-    if name == "skew":
-        sigma, sigma_std = float(reading["stiffness"]), float(reading["stiffness_std"])
-        if sigma == 0.0:
-            return math.nan, math.inf
-        skew = value / sigma
-        return skew, math.hypot(std / sigma, skew * sigma_std / sigma)
     if name in ("offset", "transmission_damping"):
         return value, std
-    motor = prepared.joint.motors[0]
+    motor = prepared.joint.motors[part]
     n = abs(motor.gear_ratio)
     if name == "inertia":
         return (motor.inertia.value if motor.inertia else 0.0) + value / n**2, std / n**2

@@ -68,6 +68,11 @@ class TruthScore:
         self._interval_samples = 0
         self._covered = 0
 
+    @property
+    def samples(self) -> int:
+        """Samples scored so far."""
+        return self._samples
+
     def update(self, sigma: ArrayLike, std: ArrayLike, truth: ArrayLike) -> None:
         """Add samples: estimate, its standard deviation, truth; (N,) each or scalars."""
         estimate, spread, true = _broadcast(sigma, std, truth)

@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotatum.errors import MethodError
-from rotatum.estimators.estimator import CHANNELS, Estimator, Group, batch_records
+from rotatum.estimators.estimator import Estimator, Group, batch_records
 from rotatum.estimators.settings import Request, settle
+from rotatum.estimators.shapes import roles
 from rotatum.evaluation.estimate import Estimate, JointEstimate
 from rotatum.evaluation.explain import reason, sample_warnings, skew_warning, zero_warning
-from rotatum.evaluation.fitted import fitted_quantities
+from rotatum.evaluation.parts import final_external, part_estimates
 from rotatum.evaluation.summary import Summary
 from rotatum.evaluation.table import reading_columns
 from rotatum.kernels.status import VERDICTS
@@ -25,7 +26,14 @@ from rotatum.models import Device
 from rotatum.record import Records
 
 BATCH = 65536  # readings made at once
-EXTRA = ("stiffness_true", "torque_true", "torque_measured")
+EXTRA = (
+    "q",
+    "setpoint",
+    "stiffness_true",
+    "torque_true",
+    "torque_measured",
+    *(f"{kind}{end}_true" for kind in ("stiffness", "torque") for end in (1, 2)),
+)
 
 Progress = Callable[[int, int | None], None]
 """Called with samples done and samples expected (None: not known)."""
@@ -42,6 +50,7 @@ def estimate(
     fit: Sequence[str] | None = None,
     forgetting: float | None = None,
     solver: str | None = None,
+    shrinkage: bool | None = None,
     joints: Sequence[str] | None = None,
     start: float | None = None,
     output: str | Path | None = None,
@@ -54,11 +63,13 @@ def estimate(
         device: from ``load_device``.
         method: ``"weak"`` or ``"residual"``; ``None``: the device file's, then ``"weak"``.
         side: ``"motor"``.
-        torque: ``"estimated"`` from the motor, or the ``"sensor"``'s.
+        torque: ``"estimated"`` from the motor, the ``"sensor"``'s, or that of the device's own
+            ``"model"`` (flacco2012 eq. 44).
         cutoff: rad/s.
         fit: columns fitted beside the stiffness.
         forgetting: weight of a row relative to the next one.
         solver: ``"ud"`` or ``"covariance"``.
+        shrinkage: whether high orders are shrunk as far as the data do not ask for them.
         joints: names of the joints wanted; ``None``: all.
         start: seconds after the log's first sample from which it is scored; ``None``: once
             converged.
@@ -73,9 +84,9 @@ def estimate(
     device = device.only(joints)
     names = log_names(log, device)
     columns = None if fit is None else tuple(fit)
-    request = Request(method, side, torque, cutoff, columns, forgetting, solver)
+    request = Request(method, side, torque, cutoff, columns, forgetting, solver, shrinkage)
     _check_channels(log, device, request, names)
-    zeros = _mean_zeros(log, device, names)
+    zeros = mean_zeros(log, device, names)
     holds = {j.name: log.holds.get(names[j.name], {}) for j in device.joints}
     loop = Estimator(
         device,
@@ -87,6 +98,7 @@ def estimate(
         fit=fit,
         forgetting=forgetting,
         solver=solver,
+        shrinkage=shrinkage,
         holds=holds,
         zeros=zeros,
     )
@@ -118,9 +130,13 @@ def _run(
                     begin = clock.perf_counter()
                     out = group.bank.run(u)
                     spent += clock.perf_counter() - begin
-                    _keep(group, out, piece, names, part, summaries)
-                    for i, prepared in enumerate(group.prepared if table else ()):
-                        columns |= reading_columns(prepared.joint.name, out[:, i])
+                    for i, prepared in enumerate(group.prepared):
+                        joint = prepared.joint
+                        logged = piece.joints[names[joint.name]]
+                        extra = {r: logged[r][part] for r in EXTRA if r in logged}
+                        summaries[joint.name].add(out[:, i], extra)
+                        if table is not None:
+                            columns |= reading_columns(joint, out[:, i], extra["q"])
                 if table is not None:
                     table.write(columns)
                 done += part.stop - part.start
@@ -129,28 +145,13 @@ def _run(
     return spent
 
 
-def _keep(
-    group: Group,
-    out: Records,
-    piece: Log,
-    names: Mapping[str, str],
-    part: slice,
-    summaries: Mapping[str, Summary],
-) -> None:
-    for i, prepared in enumerate(group.prepared):
-        roles = piece.joints[names[prepared.joint.name]]
-        extra = {r: roles[r][part] for r in EXTRA if r in roles}
-        summaries[prepared.joint.name].add(out[:, i], extra)
-
-
 def _fill(group: Group, piece: Log, names: Mapping[str, str], part: slice) -> Records:
     u = batch_records(group, part.stop - part.start)
     u["time"] = piece.time[part, None]
     for i, prepared in enumerate(group.prepared):
-        roles = piece.joints[names[prepared.joint.name]]
-        u["q"][:, i] = roles["q"][part]
-        u["theta"][:, i] = roles["theta"][part]
-        u[group.torque_field][:, i] = roles[CHANNELS[prepared.settings.torque]][part]
+        logged = piece.joints[names[prepared.joint.name]]
+        for role in group.roles:
+            u[role][:, i] = logged[role][part]
     return u
 
 
@@ -184,39 +185,70 @@ def log_names(log: Log | LogReader, device: Device) -> dict[str, str]:
     return {j.name: j.name for j in device.joints}
 
 
-def _mean_zeros(log: Log | LogReader, device: Device, names: Mapping[str, str]) -> dict[str, float]:
-    zeros = {}
+def mean_zeros(
+    log: Log | LogReader, device: Device, names: Mapping[str, str]
+) -> dict[str, list[float]]:
+    """Deflections at rest of joints whose zeros are the mean of the log, rad.
+
+    Args:
+        log: read through once per such transmission.
+        device: whose joints.
+        names: device joint to log joint, from ``log_names``.
+
+    Raises:
+        MethodError: one transmission of a pair takes the mean, the other the log's start.
+    """
+    zeros: dict[str, list[float]] = {}
     for joint in device.joints:
-        if joint.transmission.zero != "mean":
+        filed = [transmission.zero for transmission in joint.transmissions]
+        if "mean" not in filed:
             continue
-        total, count = 0.0, 0
-        for piece in _pieces(log):
-            roles = piece.joints[names[joint.name]]
-            if "q" in roles and "theta" in roles:
-                deflection = roles["q"] - roles["theta"]
-                good = np.isfinite(deflection)
-                total += float(deflection[good].sum())
-                count += int(good.sum())
-        if count:
-            zeros[joint.name] = total / count
+        if "first" in filed:
+            raise MethodError(
+                'one transmission with zero = "mean" needs the other\'s as well, or a number',
+                where=f"{device.source}, joint {joint.name}",
+                value=filed,
+            )
+        ends = ("1", "2") if joint.actuation == "antagonistic" else ("",)
+        zeros[joint.name] = [
+            float(zero)
+            if not isinstance(zero, str)
+            else _mean_deflection(log, names[joint.name], f"theta{end}")
+            for zero, end in zip(filed, ends, strict=True)
+        ]
     return zeros
+
+
+def _mean_deflection(log: Log | LogReader, joint: str, theta: str) -> float:
+    total, count = 0.0, 0
+    for piece in _pieces(log):
+        logged = piece.joints[joint]
+        deflection = logged["q"] - logged[theta]
+        good = np.isfinite(deflection)
+        total += float(deflection[good].sum())
+        count += int(good.sum())
+    return total / max(1, count)
 
 
 def _check_channels(
     log: Log | LogReader, device: Device, request: Request, names: Mapping[str, str]
 ) -> None:
-    roles = _log_roles(log)
+    found = _log_roles(log)
     for joint in device.joints:
         settings = settle(joint, device, log.period, request)
-        needed = ("q", "theta", CHANNELS[settings.torque])
-        has = roles[names[joint.name]]
+        needed = roles(joint.actuation, settings.torque)
+        has = found[names[joint.name]]
         missing = [role for role in needed if role not in has]
         if missing:
+            hint = None
+            if settings.torque == "sensor" and "torque_measured" in has:
+                hint = "The joint's total torque does not tell its two transmissions apart."
             raise MethodError(
                 f"method {settings.method} with {settings.torque} torque lacks the channel "
                 f"{', '.join(missing)} of joint {joint.name}",
                 where=log.source,
                 allowed=f"needs {', '.join(needed)}; the log has {', '.join(has)}",
+                hint=hint,
             )
 
 
@@ -233,8 +265,9 @@ def _collect(
         joint = _joint(summary, loop, name, nanoseconds)
         joints[name] = joint
         warnings += sample_warnings(name, joint.samples, samples)
-        warnings += zero_warning(name, prepared, joint.fitted, joint.stiffness["final"])
-        warnings += skew_warning(name, prepared, joint.fitted, joint.stiffness["final"])
+        for i, part in enumerate(joint.parts):
+            warnings += zero_warning(part.label, prepared, part.fitted, part.stiffness)
+            warnings += skew_warning(part.label, prepared, i, part.fitted, part.stiffness)
     first = loop.prepared[0].settings
     times = next(j.records["time"] for j in joints.values())
     good = times[np.isfinite(times)]
@@ -258,20 +291,21 @@ def _joint(summary: Summary, loop: Estimator, name: str, nanoseconds: float) -> 
     prepared = next(p for p in loop.prepared if p.joint.name == name)
     last = summary.last
     assert last is not None  # a log has at least one piece of at least one sample
-    scales = np.array(prepared.scales)
     kept = {k: np.concatenate(v) for k, v in summary.truth_kept.items()}
-    measured = kept.pop("torque_measured", np.empty(0))
     converged = float(last["converged_at"]) - (summary.first_time or 0.0)
+    parts = part_estimates(prepared, last, summary)
     return JointEstimate(
         name=name,
         records=np.concatenate(summary.kept),
         every=summary.every,
-        columns=prepared.columns,
-        coefficients=last["coefficients"] / scales,
-        coefficients_std=last["coefficients_std"] / scales,
-        fitted=fitted_quantities(prepared, last),
+        columns=tuple(f"{c}{p.end}" for p in parts for c in prepared.columns),
+        coefficients=np.concatenate([p.coefficients for p in parts]),
+        coefficients_std=np.concatenate([p.coefficients_std for p in parts]),
+        parts=parts,
+        fitted={f"{k}{p.end}": v for p in parts for k, v in p.fitted.items()},
         stiffness=summary.stiffness(),
         stiffness_std=float(last["stiffness_std"]),
+        external_stiffness=final_external(prepared.joint, last, kept["q"]),
         torque_rms=summary.torque_rms(),
         verdict=VERDICTS[int(last["verdict"])],
         reason=reason(last, prepared),
@@ -281,6 +315,7 @@ def _joint(summary: Summary, loop: Estimator, name: str, nanoseconds: float) -> 
         samples=summary.status,
         ns_per_sample=nanoseconds,
         settings=prepared.notes,
-        truth_records={k.removesuffix("_true"): v for k, v in kept.items()},
-        measured_torque=measured,
+        powers=prepared.powers,
+        logged={k: v for k, v in kept.items() if not k.endswith("_true")},
+        truth_records={k.removesuffix("_true"): v for k, v in kept.items() if k.endswith("_true")},
     )

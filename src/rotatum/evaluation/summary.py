@@ -31,6 +31,7 @@ class Summary:
         self.scored = _Range()
         self.learned = _Range()
         self.score = TruthScore()
+        self.part_scores = (TruthScore(), TruthScore())
         self.has_truth = False
         self.score_from: float | None = None
         self.last: Records | None = None
@@ -41,7 +42,7 @@ class Summary:
 
         Args:
             out: readings; copied where kept.
-            extra: ``stiffness_true``, ``torque_true``, ``torque_measured`` where the log has them.
+            extra: link position, set-point, truth, measured torque where the log has them.
         """
         pick = slice((-self.seen) % self.every, None, self.every)
         self.kept.append(out[pick].copy())
@@ -68,6 +69,10 @@ class Summary:
             self.has_truth = True
             truth = extra["stiffness_true"][scored]
             self.score.update(out["stiffness"][scored], out["stiffness_std"][scored], truth)
+        for i, score in enumerate(self.part_scores):
+            if f"stiffness{i + 1}_true" in extra and "part_stiffness" in (out.dtype.names or ()):
+                sigma, std = out["part_stiffness"][scored, i], out["part_stiffness_std"][scored, i]
+                score.update(sigma, std, extra[f"stiffness{i + 1}_true"][scored])
         self.last = out[-1].copy()
 
     def _thin(self) -> None:

@@ -17,12 +17,15 @@ from rotatum.runtime.stage import Stage
 
 __all__ = ["in_file", "in_kernels", "in_stage", "in_text", "require_subset"]
 
+_RECORDS = ("Any", "Vector")  # annotations of what only a kernel takes
+
 
 def in_text(text: str, file: str = "<text>") -> list[Violation]:
     """List what a module's kernels do outside the subset, as far as it shows without types.
 
     Kernels are the functions with a parameter that is a record (annotated ``Any`` or not at all)
-    and what they call in the same module; the other functions belong to Python.
+    or a record's vector (``Vector``), and what they call in the same module; the other functions
+    belong to Python.
     """
     tree = ast.parse(text)
     functions = {n.name: n for n in tree.body if isinstance(n, ast.FunctionDef)}
@@ -98,7 +101,7 @@ def _kernels(functions: dict[str, ast.FunctionDef]) -> Iterator[ast.FunctionDef]
 
 def _takes_record(node: ast.FunctionDef) -> bool:
     notes = [a.annotation for a in node.args.args]
-    return any(n is None or (isinstance(n, ast.Name) and n.id == "Any") for n in notes)
+    return any(n is None or (isinstance(n, ast.Name) and n.id in _RECORDS) for n in notes)
 
 
 def _module_names(tree: ast.Module) -> dict[str, Meaning]:

@@ -7,7 +7,7 @@ import re
 _C = """auto break case char const continue default do double else enum extern float for goto if
 inline int long register restrict return short signed sizeof static struct switch typedef union
 unsigned void volatile while bool true false NAN INFINITY NULL
-sqrt exp sin cos fabs int64_t main"""
+sqrt exp sin cos asin fabs int64_t main"""
 _CPP = """alignas alignof and asm catch class compl constexpr decltype delete explicit export friend
 mutable namespace new noexcept not nullptr operator or private protected public template this throw
 try typeid typename using virtual wchar_t xor"""

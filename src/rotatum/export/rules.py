@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 
-MATH = ("sqrt", "exp", "sin", "cos", "fabs")
+MATH = ("sqrt", "exp", "sin", "cos", "asin", "fabs")
 """Functions of ``math`` that compiled code and C take from the same libm."""
 
 MATH_NUMBERS = ("pi", "inf", "nan")

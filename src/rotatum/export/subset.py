@@ -2,7 +2,7 @@
 
 ``python -m rotatum.export.subset [FILES...]`` prints ``file:line:column: what: why`` for
 everything outside it and exits with 1 if there is anything. Without files it looks at the package's
-kernels and, with types, at every registered stage.
+kernels and elastic laws and, with types, at every registered stage.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import rotatum.kernels
+import rotatum.models.laws
 from rotatum.export.checker import in_file, in_kernels, in_stage, in_text, require_subset
 from rotatum.export.violations import SubsetError, Violation
 from rotatum.runtime.stage import Stage
@@ -42,7 +43,8 @@ def main(files: Sequence[str]) -> int:
 
 
 def _package_files() -> list[Path]:
-    return sorted(p for root in rotatum.kernels.__path__ for p in Path(root).glob("*.py"))
+    roots = (*rotatum.kernels.__path__, *rotatum.models.laws.__path__)
+    return sorted(p for root in roots for p in Path(root).glob("*.py"))
 
 
 def _registered() -> list[Stage]:

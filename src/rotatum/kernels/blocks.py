@@ -27,6 +27,7 @@ class BlockState(Record):
     """Open sums and squares of closed ones, for t terms side by side, v of them as a vector."""
 
     part = vector("t", "open sum of level 0")
+    direction = vector("v", "direction over all terms whose products are kept, for whoever asks")
     filled = integer("terms in it")
     carry = matrix("L", "t", "sum of level k waiting for its twin")
     waiting = vector("L", "1: there is one", kind="int")
@@ -45,12 +46,20 @@ def clear(state: Any) -> None:
         state.waiting[k] = 0
 
 
-def close(params: Any, state: Any, v: int) -> None:
-    """Close the open block of level 0 and pass sums up; products among the first ``v`` terms."""
+def count(params: Any, state: Any) -> int:
+    """One more set of terms is in the open block; returns 1 when the block is full."""
+    state.filled = state.filled + 1
+    if state.filled < params.shortest:
+        return 0
+    return 1
+
+
+def close(params: Any, state: Any) -> None:
+    """Close the open block of level 0 and pass sums up; products among the first v terms."""
     k = 0
     going = 1
     while going != 0 and k < len(state.waiting):
-        _square(params, state, k, v)
+        _square(params, state, k)
         if state.waiting[k] == 0:
             for i in range(len(state.part)):
                 state.carry[k, i] = state.part[i]
@@ -67,7 +76,8 @@ def close(params: Any, state: Any, v: int) -> None:
     state.closed = state.closed + 1
 
 
-def _square(params: Any, state: Any, k: int, v: int) -> None:
+def _square(params: Any, state: Any, k: int) -> None:
+    v = len(state.direction)
     fade = params.fade[k]
     state.blocks[k] = fade * state.blocks[k] + 1.0
     n = 0
@@ -92,32 +102,35 @@ def correction(blocks: float) -> float:
     return t * t * blocks / (blocks - 1.0)
 
 
-def variance_along(state: Any, k: int, v: int, direction: Any) -> float:
-    """Sum of squares of level ``k`` along ``direction`` (its first ``v`` terms)."""
+def variance_along(state: Any, k: int, at: int, direction: Any) -> float:
+    """Sum of squares of level ``k`` along ``direction``, whose terms are those from ``at`` on."""
+    v = len(state.direction)
     total = 0.0
     n = 0
-    for i in range(v):
+    for i in range(at):
+        n = n + v - i
+    for i in range(len(direction)):
         total = total + state.square[k, n] * direction[i] * direction[i]
-        n = n + 1
-        for j in range(i + 1, v):
-            total = total + 2.0 * state.square[k, n] * direction[i] * direction[j]
-            n = n + 1
+        for j in range(i + 1, len(direction)):
+            total = total + 2.0 * state.square[k, n + j - i] * direction[i] * direction[j]
+        n = n + v - at - i
     return total
 
 
-def worst(state: Any, v: int, direction: Any) -> float:
+def worst(state: Any, at: int, direction: Any) -> float:
     """Variance of the whole sum along ``direction``: the largest over levels with enough blocks."""
     largest = 0.0
     for k in range(len(state.blocks)):
         if state.blocks[k] >= ENOUGH:
-            value = variance_along(state, k, v, direction) * correction(state.blocks[k])
+            value = variance_along(state, k, at, direction) * correction(state.blocks[k])
             if value > largest:
                 largest = value
     return largest
 
 
-def worst_term(state: Any, v: int, i: int) -> float:
-    """The same for the single term ``i``, one of those after the first ``v``; no correction."""
+def worst_term(state: Any, i: int) -> float:
+    """The same for the single term ``i``, one of those after the first v; no correction."""
+    v = len(state.direction)
     n = i - v
     for row in range(v):
         n = n + v - row

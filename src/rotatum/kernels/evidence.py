@@ -54,12 +54,14 @@ class EvidenceState(Record):
     evaluated = integer("evaluations since reset")
     variance = number("variance of a row's noise", unit="(N m)^2", symbol="s^2")
     inflation = number("factor on the read-out's variance for coloured residuals")
+    spread = number("D^T P D where the inflation was renewed", unit="1/rad^2")
     deflection = number("rms deflection that nothing else explains", unit="rad")
     relative2 = number("square of the relative error from the encoders' systematic one")
     noise = number("standard deviation of a row's noise", unit="N m", symbol="s")
     shift = number("how far the encoders' noise may have moved the stiffness", unit="N m/rad")
-    direction = vector("p", "P times the read-out direction")
+    direction = vector("p", "what a unit of each score does along the read-out direction")
     unit = vector("p", "scratch: a unit vector")
+    column = vector("p", "scratch: a column of P")
     deviation = vector("p", "standard deviation of each coefficient", unit="N m")
     turn = integer("coefficient whose standard deviation is renewed next")
     e = vector(RING, "recent residuals", unit="N m")
@@ -99,12 +101,15 @@ def cut(state: Any) -> None:
         state.open[i] = 0.0
 
 
-def add(params: Any, state: Any, sums: Any, row: Any, solver: Any, terms: int) -> None:
+def add(
+    params: Any, state: Any, sums: Any, row: Any, solver: Any, terms: int, at: int, probes: int
+) -> None:
     """Take the row just absorbed by the solver.
 
     The squared residuals add up to ``sum e(k)^2 / (1 + rho(k))``, exactly the least-squares
     objective; scores use the residual after the update, so that the first rows, whose innovation
-    is the whole torque, do not drown the rest. The first ``terms`` columns are the spring's.
+    is the whole torque, do not drown the rest. The last ``terms`` columns are the spring's. Scores
+    go into ``sums`` from ``at`` on, probes from ``probes`` on.
     """
     shrink = 1.0 / (1.0 + solver.leverage)
     state.squares = params.forgetting * state.squares
@@ -114,8 +119,8 @@ def add(params: Any, state: Any, sums: Any, row: Any, solver: Any, terms: int) -
     f = 0.0
     p = len(row.R)
     for i in range(p):
-        sums.part[i] = sums.part[i] + e * row.R[i]
-    for i in range(terms):
+        sums.part[at + i] = sums.part[at + i] + e * row.R[i]
+    for i in range(p - terms, p):
         f = f + row.R[i] * solver.alpha[i]
     state.e[state.head] = e
     state.f[state.head] = f
@@ -125,14 +130,13 @@ def add(params: Any, state: Any, sums: Any, row: Any, solver: Any, terms: int) -
         state.length = state.length + 1
     # Torques fitted with the first, wild coefficients would outweigh the later ones for long.
     if state.length > 2 * params.lag and state.evaluated >= SETTLED:
-        _probe(params, state, sums, p, f)
+        _probe(params, state, sums, probes, f)
     state.head = state.head + 1
     if state.head >= RING:
         state.head = 0
-    sums.filled = sums.filled + 1
 
 
-def _probe(params: Any, state: Any, sums: Any, p: int, after: float) -> None:
+def _probe(params: Any, state: Any, sums: Any, at: int, after: float) -> None:
     middle = state.head - params.lag
     if middle < 0:
         middle = middle + RING
@@ -153,18 +157,18 @@ def _probe(params: Any, state: Any, sums: Any, p: int, after: float) -> None:
     state.open[5] = state.open[5] + pull * pull
     state.open[6] = state.open[6] + drag * f
     state.open[7] = state.open[7] + drag * drag
-    sums.part[p + MEAN] = sums.part[p + MEAN] + e
-    sums.part[p + SHIFT] = sums.part[p + SHIFT] + e * shift
-    sums.part[p + PULL] = sums.part[p + PULL] + e * pull - params.common
-    sums.part[p + SCALE] = sums.part[p + SCALE] + e * f
-    sums.part[p + DRAG] = sums.part[p + DRAG] + e * drag
+    sums.part[at + MEAN] = sums.part[at + MEAN] + e
+    sums.part[at + SHIFT] = sums.part[at + SHIFT] + e * shift
+    sums.part[at + PULL] = sums.part[at + PULL] + e * pull - params.common
+    sums.part[at + SCALE] = sums.part[at + SCALE] + e * f
+    sums.part[at + DRAG] = sums.part[at + DRAG] + e * drag
 
 
-def fold(params: Any, state: Any, sums: Any, p: int) -> None:
-    """Fade what the tests remember and add the open block's sums to it."""
+def fold(params: Any, state: Any, sums: Any, at: int) -> None:
+    """Fade what the tests remember and add the open block's sums, those from ``at`` on."""
     m = params.memory
     for i in range(PROBES):
-        state.probe[i] = m * state.probe[i] + sums.part[p + i]
+        state.probe[i] = m * state.probe[i] + sums.part[at + i]
     state.weight = m * state.weight + state.open[0]
     state.torque = m * state.torque + state.open[1]
     state.torque2 = m * state.torque2 + state.open[2]
@@ -177,12 +181,8 @@ def fold(params: Any, state: Any, sums: Any, p: int) -> None:
         state.open[i] = 0.0
 
 
-def due(params: Any, state: Any, sums: Any, block_params: Any, p: int) -> int:
-    """Close a full block; returns 1 when it is time to evaluate."""
-    if sums.filled < block_params.shortest:
-        return 0
-    fold(params, state, sums, p)
-    blocks.close(block_params, sums, p)
+def due(state: Any, sums: Any) -> int:
+    """Return 1, and count the evaluation, when enough blocks have been closed since the last."""
     if sums.closed < (state.evaluated + 1) * DUE:
         return 0
     state.evaluated = state.evaluated + 1
@@ -196,31 +196,32 @@ def noise_level(state: Any) -> None:
         state.variance = state.squares / free
 
 
-def judge(params: Any, state: Any, sums: Any, alpha: Any, D: Any) -> None:
+def judge(params: Any, state: Any, sums: Any, alpha: Any, D: Any, at: int, probes: int) -> None:
     """Renew inflation and informative deflection for the direction D, ``direction`` being P D.
 
     ``inflation = v^T S v / (s^2 D^T P D)``, v = P D, S the scores' variance over blocks: the
     sandwich estimate, never below 1. ``deflection^2 = 1 / (n D^T P D)``: for one column the mean
-    square of the deflection, for more the part of it that no other column explains.
+    square of the deflection, for more the part of it that no other column explains. The scores are
+    those from ``at`` on, the probes those from ``probes`` on.
     """
-    p = len(state.direction)
     q = 0.0
-    for i in range(p):
+    for i in range(len(state.direction)):
         q = q + D[i] * state.direction[i]
     state.inflation = 1.0
+    state.spread = q
     if q > 0.0 and state.variance > 0.0:
-        worst = blocks.worst(sums, p, state.direction)
+        worst = blocks.worst(sums, at, state.direction)
         if worst > state.variance * q:
             state.inflation = worst / (state.variance * q)
         state.deflection = math.sqrt(1.0 / (state.rows * q))
         a = params.accuracy / state.deflection
         state.relative2 = a * a
     state.noise = math.sqrt(state.variance)
-    state.shift = _shift(params, state, alpha)
-    _tests(state, sums, p)
+    state.shift = _shift(params, state, state.direction, alpha)
+    _tests(state, sums, probes)
 
 
-def _shift(params: Any, state: Any, alpha: Any) -> float:
+def _shift(params: Any, state: Any, direction: Any, alpha: Any) -> float:
     """Bound of the bias along ``direction`` from noise in the columns themselves.
 
     Noise of variance v in a column attenuates its coefficient: to first order least squares is
@@ -228,21 +229,25 @@ def _shift(params: Any, state: Any, alpha: Any) -> float:
     known.
     """
     total = 0.0
-    for j in range(len(state.direction)):
+    for j in range(len(direction)):
         pull = state.rows * params.noise[j] * (params.given[j] + alpha[j])
-        total = total + math.fabs(state.direction[j] * pull)
+        total = total + math.fabs(direction[j] * pull)
     return total
 
 
-def coefficient(params: Any, state: Any, sums: Any, alpha: Any, j: int) -> None:
-    """Renew one coefficient's standard deviation, ``direction`` being P's column j."""
-    p = len(state.direction)
-    own = state.variance * state.direction[j]
-    worst = blocks.worst(sums, p, state.direction)
+def coefficient(
+    params: Any, state: Any, sums: Any, alpha: Any, j: int, at: int, bias2: float
+) -> None:
+    """Renew one coefficient's standard deviation, ``column`` being P's column j.
+
+    ``bias2`` is the square of what shrinking may have taken from it.
+    """
+    own = state.variance * state.column[j]
+    worst = blocks.worst(sums, at, state.column)
     if worst > own:
         own = worst
-    shift = _shift(params, state, alpha)
-    state.deviation[j] = math.sqrt(own + shift * shift)
+    shift = _shift(params, state, state.column, alpha)
+    state.deviation[j] = math.sqrt(own + shift * shift + bias2)
 
 
 def anchoring(state: Any) -> float:
@@ -260,7 +265,7 @@ def anchoring(state: Any) -> float:
     return more
 
 
-def _tests(state: Any, sums: Any, p: int) -> None:
+def _tests(state: Any, sums: Any, at: int) -> None:
     # A torque that hardly varies beside its mean still has the mean to tell gains apart by.
     n = state.weight
     power = state.torque2 - state.torque * state.torque / (n + 1e-300)
@@ -269,7 +274,7 @@ def _tests(state: Any, sums: Any, p: int) -> None:
         power = floor
     for i in range(PROBES):
         total = state.probe[i]
-        spread = blocks.worst_term(sums, p, p + i)
+        spread = blocks.worst_term(sums, at + i)
         state.doubt[i] = 0.0
         if spread > 0.0:
             state.doubt[i] = math.fabs(total) / math.sqrt(spread)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rotatum.kernels.evidence import negative
 from rotatum.kernels.status import (
     CONVERGING,
     DEFLECTION,
@@ -36,6 +35,8 @@ class ReadoutState(Record):
     since = number("when these began", unit="s")
     converged = integer("1: they lasted long enough once")
     converged_at = number("when that stretch began", unit="s")
+    noise2 = number("variance of the stiffness from noise", unit="(N m/rad)^2")
+    wrong2 = number("square of its systematic error", unit="(N m/rad)^2")
 
 
 class Reading(Record):
@@ -90,12 +91,21 @@ def read(row: Any, alpha: Any, out: Any) -> None:
     out.row_fit = fit
 
 
-def deviations(evidence: Any, sigma_spread: float, torque_spread: float, out: Any) -> None:
+def deviations(
+    state: Any,
+    evidence: Any,
+    sigma_spread: float,
+    sigma_bias2: float,
+    torque_spread: float,
+    torque_bias2: float,
+    out: Any,
+) -> None:
     """Standard deviations: coloured noise, and what the encoders' errors do to the stiffness.
 
-    ``std^2 = inflation s^2 D^T P D + (sigma a / phi)^2 + shift^2``: a systematic error ``a`` of the
-    deflection may be fully correlated with it, phi being the rms deflection that informs the
-    stiffness; ``shift`` bounds the bias from encoder noise in the columns.
+    ``std^2 = inflation s^2 D^T P D + (sigma a / phi)^2 + shift^2 + bias^2``: a systematic error
+    ``a`` of the deflection may be fully correlated with it, phi being the rms deflection that
+    informs the stiffness; ``shift`` bounds the bias from encoder noise in the columns, ``bias`` is
+    what shrinking may have taken.
     """
     variance = evidence.variance
     if evidence.evaluated == 0:
@@ -105,9 +115,12 @@ def deviations(evidence: Any, sigma_spread: float, torque_spread: float, out: An
             variance = evidence.squares / evidence.rows
     scale = evidence.inflation * variance
     relative = evidence.relative2
-    wrong = out.stiffness * out.stiffness * relative + evidence.shift * evidence.shift
-    out.stiffness_std = math.sqrt(scale * sigma_spread + wrong)
-    out.torque_std = math.sqrt(scale * torque_spread + out.torque * out.torque * relative)
+    state.noise2 = scale * sigma_spread
+    state.wrong2 = out.stiffness * out.stiffness * relative + evidence.shift * evidence.shift
+    state.wrong2 = state.wrong2 + sigma_bias2
+    out.stiffness_std = math.sqrt(state.noise2 + state.wrong2)
+    wrong = out.torque * out.torque * relative + torque_bias2
+    out.torque_std = math.sqrt(scale * torque_spread + wrong)
     out.noise = evidence.noise
     out.inflation = evidence.inflation
     out.informative_deflection = evidence.deflection
@@ -115,16 +128,29 @@ def deviations(evidence: Any, sigma_spread: float, torque_spread: float, out: An
         out.coefficients_std[i] = evidence.deviation[i]
 
 
-def decide(
+def status_of(
     params: Any,
-    state: Any,
     evidence: Any,
     evidence_params: Any,
     row: Any,
     sigma_spread: float,
-    time: float,
-    counted: int,
     out: Any,
+) -> int:
+    """Status bits: what the row says, and whether the data have told anything at all."""
+    prior = 0.0
+    for i in range(len(row.D)):
+        prior = prior + evidence_params.spread[i] * row.D[i] * row.D[i]
+    status: int = row.status
+    if evidence.evaluated == 0 or sigma_spread > params.shrink * prior:
+        status = status | PRIOR
+    wide = 1.96 * out.stiffness_std > params.starved * math.fabs(out.stiffness)
+    if wide and 1.96 * evidence_params.accuracy > params.starved * evidence.deflection:
+        status = status | DEFLECTION
+    return status
+
+
+def decide(
+    params: Any, state: Any, status: int, wrong: int, time: float, counted: int, out: Any
 ) -> None:
     """Set verdict, status and ``converged_at``.
 
@@ -133,24 +159,13 @@ def decide(
     ``hold`` seconds. Inconsistent: a probe of the model speaks; wins over the others. A read-out
     that is only repeated is not ``counted``.
     """
-    prior = 0.0
-    for i in range(len(row.D)):
-        prior = prior + evidence_params.spread[i] * row.D[i] * row.D[i]
-    status = row.status
     half = 1.96 * out.stiffness_std
-    if evidence.evaluated == 0 or sigma_spread > params.shrink * prior:
-        status = status | PRIOR
     if half > params.starved * math.fabs(out.stiffness):
         status = status | WIDE
-        if 1.96 * evidence_params.accuracy > params.starved * evidence.deflection:
-            status = status | DEFLECTION
     if counted != 0:
         state.narrow = state.narrow + 1
     if half >= params.informative * out.stiffness:
         state.narrow = 0
-    wrong = evidence.wrong
-    if status & PRIOR == 0:
-        wrong = wrong | negative(out.stiffness, out.stiffness_std)
     verdict = CONVERGING
     if status & (PRIOR | WIDE) != 0:
         verdict = STARVED

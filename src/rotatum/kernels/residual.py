@@ -23,7 +23,7 @@ class ResidualParams(Record):
     damping = number("motor damping, joint side", unit="N m s/rad", symbol="D_theta")
     coulomb = number("motor Coulomb friction, joint side", unit="N m", symbol="C")
     width = number("speed below which Coulomb friction is proportional to speed", unit="rad/s")
-    offset = integer("column of the constant, -1: none is fitted")
+    offset = integer("1: the first column is the constant, which is fitted")
 
 
 class ResidualState(Record):
@@ -73,52 +73,59 @@ def momentum(p: Any, s: Any, theta: float, velocity: float, torque: float) -> No
 
 def motor_init(params: Any, state: Any) -> None:
     """Nothing seen yet."""
-    kinematic.init(params.kinematic, state.link)
-    kinematic.init(params.kinematic, state.motor)
+    _init(params, state)
 
 
 def motor_step(params: Any, state: Any, u: Any, out: Any) -> None:
     """Row ``r_e = F(phi)^T alpha``, positions and velocity from the kinematic filters."""
     s = state.residual
-    if u.fresh != 0:
-        s.count = 0
-    if s.count == 0:
-        kinematic.start(params.kinematic, state.link, u.q)
-        kinematic.start(params.kinematic, state.motor, u.theta)
-    else:
-        kinematic.observe(params.kinematic, state.link, u.q)
-        kinematic.observe(params.kinematic, state.motor, u.theta)
-    momentum(params.residual, s, state.motor.position, state.motor.velocity, u.tau)
-    known = _deflect(params, state, state.link.position - state.motor.position, u, out)
+    _observe(params, state, u)
+    momentum(params.residual, s, state.motor.position, state.motor.velocity, u.torque)
+    known = _deflect(params, state, u, out)
     _emit(params.residual, s, known, s.r, state.link.velocity, u, out)
 
 
 def sensor_init(params: Any, state: Any) -> None:
     """Nothing seen yet."""
-    kinematic.init(params.kinematic, state.link)
-    kinematic.init(params.kinematic, state.motor)
+    _init(params, state)
 
 
 def sensor_step(params: Any, state: Any, u: Any, out: Any) -> None:
     """Row ``tau_measured = F(phi)^T alpha`` (flacco2012, SENSOR)."""
     s = state.residual
+    _observe(params, state, u)
+    s.count = s.count + 1
+    known = _deflect(params, state, u, out)
+    _emit(params.residual, s, known, u.torque, state.link.velocity, u, out)
+
+
+def _init(params: Any, state: Any) -> None:
+    kinematic.init(params.kinematic, state.link)
+    kinematic.init(params.kinematic, state.motor)
+    kinematic.init(params.setpoint, state.setpoint)
+
+
+def _observe(params: Any, state: Any, u: Any) -> None:
     if u.fresh != 0:
-        s.count = 0
-    if s.count == 0:
+        state.residual.count = 0
+    if state.residual.count == 0:
         kinematic.start(params.kinematic, state.link, u.q)
         kinematic.start(params.kinematic, state.motor, u.theta)
     else:
         kinematic.observe(params.kinematic, state.link, u.q)
         kinematic.observe(params.kinematic, state.motor, u.theta)
-    s.count = s.count + 1
-    known = _deflect(params, state, state.link.position - state.motor.position, u, out)
-    _emit(params.residual, s, known, u.torque, state.link.velocity, u, out)
+    if params.basis.setpoint_order > 0:
+        if state.residual.count == 0:
+            kinematic.start(params.setpoint, state.setpoint, u.setpoint)
+        else:
+            kinematic.observe(params.setpoint, state.setpoint, u.setpoint)
 
 
-def _deflect(params: Any, state: Any, raw: float, u: Any, out: Any) -> int:
+def _deflect(params: Any, state: Any, u: Any, out: Any) -> int:
+    raw = state.link.position - state.motor.position
     known = find_zero(params.zero, state.zero, raw, u.fresh)
     phi = raw - state.zero.zero
-    basis.evaluate(params.basis, state.terms, phi, 0.0)
+    basis.evaluate(params.basis, state.terms, phi, state.setpoint.position)
     read_basis(state.terms, out)
     out.phi = phi
     return known
@@ -130,8 +137,8 @@ def _emit(p: Any, s: Any, known: int, y: float, velocity: float, u: Any, out: An
     out.drag = velocity
     for h in range(len(out.R)):
         out.R[h] = out.F[h]
-    if p.offset >= 0:
-        out.R[p.offset] = 1.0
+    if p.offset != 0:
+        out.R[0] = 1.0
     out.fresh = 0
     if s.count <= 1:
         out.fresh = 1

@@ -14,28 +14,27 @@ TRANSMISSION_DAMPING = 5
 OFFSET = 6
 
 
-class MotorSample(Record):
-    """One sample of a series joint whose elastic torque is estimated from its motor."""
+class Sample(Record):
+    """One sample of one transmission, as the rows of every method read it."""
 
     time = number("of the sample", unit="s", symbol="t")
     q = number("link position", unit="rad", symbol="q")
     theta = number("motor position, joint side", unit="rad", symbol="theta")
-    tau = number("motor torque, joint side", unit="N m", symbol="tau")
+    setpoint = number("set-point as logged, 0: there is none", symbol="s")
+    torque = number(
+        "motor torque at the joint, or measured elastic torque", unit="N m", symbol="tau"
+    )
     enable = integer("0: do not learn from this sample")
-
-
-class SensorSample(Record):
-    """One sample of a series joint whose elastic torque is measured."""
-
-    time = number("of the sample", unit="s", symbol="t")
-    q = number("link position", unit="rad", symbol="q")
-    theta = number("motor position, joint side", unit="rad", symbol="theta")
-    torque = number("measured elastic torque", unit="N m", symbol="tau_e")
-    enable = integer("0: do not learn from this sample")
+    fresh = integer("1: the filters must start at this sample")
 
 
 class Row(Record):
-    """``y = R^T alpha + noise``, and F, dF/dphi, d2F/dphi2 at the deflection of now."""
+    """``y = R^T alpha + noise``, and F, dF/dphi, d2F/dphi2 at the deflection of now.
+
+    Columns that are no spring (fitted motor constants, offset) come first, then the basis from
+    low to high order: the solver's triangular factor then holds every lower order as a model of
+    its own.
+    """
 
     valid = integer("1: learn from this row")
     status = integer("status bits")
@@ -55,6 +54,15 @@ class ZeroParams(Record):
 
     zero = number("deflection at rest", unit="rad")
     samples = integer("samples whose mean deflection is the zero; 0: `zero` is")
+
+
+class ModelParams(Record):
+    """The device's own law, where it stands in for a measured torque (flacco2012, MODEL)."""
+
+    constants = vector("n", "of the law, packed")
+    preload = number("deflection the law is evaluated at beyond q - theta", unit="rad")
+    offset = number("set-point where the logged one is 0", unit="unit of the law's set-point")
+    slope = number("change of the set-point by that of the logged one")
 
 
 class ZeroState(Record):
@@ -84,6 +92,15 @@ def find_zero(params: Any, state: Any, raw: float, fresh: int) -> int:
     return 0
 
 
+def known_zero(params: Any, state: Any) -> float:
+    """The zero as far as it is known: the one given, or the mean so far."""
+    if params.samples < 1:
+        zero: float = params.zero
+        return zero
+    zero = state.zero
+    return zero
+
+
 def sign(velocity: float, width: float) -> float:
     """Coulomb friction's sign, linear within ``width`` so that noise at rest does not flip it."""
     if velocity > width:
@@ -94,15 +111,16 @@ def sign(velocity: float, width: float) -> float:
 
 
 def read_basis(terms: Any, out: Any) -> None:
-    """Copy the basis at the deflection of now into a row; the other columns are no spring."""
-    for h in range(len(terms.F)):
-        out.F[h] = terms.F[h]
-        out.D[h] = terms.D[h]
-        out.H[h] = terms.H[h]
-    for h in range(len(terms.F), len(out.F)):
+    """Copy the basis at the deflection of now into a row; the columns before it are no spring."""
+    first = len(out.F) - len(terms.F)
+    for h in range(first):
         out.F[h] = 0.0
         out.D[h] = 0.0
         out.H[h] = 0.0
+    for h in range(len(terms.F)):
+        out.F[first + h] = terms.F[h]
+        out.D[first + h] = terms.D[h]
+        out.H[first + h] = terms.H[h]
 
 
 def hat(before: float, middle: float, after: float) -> float:

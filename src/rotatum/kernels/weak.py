@@ -48,8 +48,8 @@ class WeakParams(Record):
     damping = number("motor damping, joint side", unit="N m s/rad", symbol="D")
     coulomb = number("motor Coulomb friction, joint side", unit="N m", symbol="C")
     width = number("speed below which Coulomb friction is proportional to speed", unit="rad/s")
-    kind = vector("p", "what each column is, 0: a term of the basis", kind="int")
-    scale = vector("p", "what each column is divided by")
+    kind = vector("p", "what each column before the basis is", kind="int")
+    scale = vector("p", "what each of these is divided by")
 
 
 class WeakState(Record):
@@ -67,12 +67,14 @@ class WeakState(Record):
     theta0 = number("theta(k)", unit="rad")
     theta1 = number("theta(k-1)", unit="rad")
     theta2 = number("theta(k-2)", unit="rad")
+    setpoint0 = number("set-point(k)")
     torque0 = number("torque(k)", unit="N m")
     torque1 = number("torque(k-1)", unit="N m")
     torque2 = number("torque(k-2)", unit="N m")
     sign0 = number("sgn theta'(k)")
     sign1 = number("sgn theta'(k-1)")
     sign2 = number("sgn theta'(k-2)")
+    setpoint = vector(RING, "set-points, the same")
     F1 = vector("p", "basis(k-1)", symbol="F")
     F2 = vector("p", "basis(k-2)", symbol="F")
     acceleration = number("<theta''>", unit="rad/s^2")
@@ -101,14 +103,14 @@ def motor_step(params: Any, state: Any, u: Any, out: Any) -> None:
     w = state.weak
     _deflect(params, state, u, out)
     if p.delay == 0:
-        _now(w, u, u.tau)
+        _now(w, u)
         _advance(p, w, state.terms)
     else:
         _store(w, u)
         if w.length > 2 * p.delay:
             _past(p, w)
             phi = w.q0 - w.theta0 - state.zero.zero
-            basis.evaluate(params.basis, state.past, phi, 0.0)
+            basis.evaluate(params.basis, state.past, phi, w.setpoint0)
             _advance(p, w, state.past)
     _emit(p, w, u, out)
 
@@ -122,7 +124,7 @@ def sensor_step(params: Any, state: Any, u: Any, out: Any) -> None:
     """Row from a torque sensor: the same operator on measured torque and basis."""
     w = state.weak
     _deflect(params, state, u, out)
-    _now(w, u, u.torque)
+    _now(w, u)
     if w.count >= 2:
         w.raw_y = hat(w.torque2, w.torque1, w.torque0)
         _columns(params.weak, w, state.terms)
@@ -138,15 +140,15 @@ def _deflect(params: Any, state: Any, u: Any, out: Any) -> None:
         state.weak.count = 0
         state.weak.length = 0
     phi = raw - state.zero.zero
-    basis.evaluate(params.basis, state.terms, phi, 0.0)
+    basis.evaluate(params.basis, state.terms, phi, u.setpoint)
     read_basis(state.terms, out)
     out.phi = phi
 
 
-def _now(w: Any, u: Any, torque: float) -> None:
+def _now(w: Any, u: Any) -> None:
     w.q0 = u.q
     w.theta0 = u.theta
-    w.torque0 = torque
+    w.torque0 = u.torque
     w.sign0 = 0.0
 
 
@@ -156,7 +158,8 @@ def _store(w: Any, u: Any) -> None:
         w.head = 0
     w.q[w.head] = u.q
     w.theta[w.head] = u.theta
-    w.torque[w.head] = u.tau
+    w.torque[w.head] = u.torque
+    w.setpoint[w.head] = u.setpoint
     if w.length < RING:
         w.length = w.length + 1
 
@@ -177,6 +180,7 @@ def _past(p: Any, w: Any) -> None:
     w.q0 = w.q[middle]
     w.theta0 = w.theta[middle]
     w.torque0 = w.torque[middle]
+    w.setpoint0 = w.setpoint[middle]
     velocity = (w.theta[w.head] - w.theta[first]) / (2.0 * p.delay * p.period)
     w.sign0 = rows.sign(velocity, p.width)
 
@@ -203,9 +207,10 @@ def _balance(p: Any, w: Any) -> None:
 
 def _columns(p: Any, w: Any, terms: Any) -> None:
     T = p.period
+    first = len(w.raw) - len(terms.F)
     for h in range(len(terms.F)):
-        w.raw[h] = hat(w.F2[h], w.F1[h], terms.F[h])
-    for h in range(len(terms.F), len(w.raw)):
+        w.raw[first + h] = hat(w.F2[h], w.F1[h], terms.F[h])
+    for h in range(first):
         kind = p.kind[h]
         if kind == INERTIA:
             w.raw[h] = -w.acceleration / p.scale[h]

@@ -14,7 +14,7 @@ from rotatum.models import Channel, Device, Joint, find_unit
 
 __all__ = ["Column", "Mapped", "map_channels"]
 
-_ANGLES = ("theta", "theta1", "theta2")
+_ANGLES = ("theta", "theta1", "theta2", "setpoint")
 
 
 @dataclass(frozen=True)

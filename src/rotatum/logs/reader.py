@@ -8,7 +8,7 @@ from math import nan
 import numpy as np
 from numpy.typing import NDArray
 
-from rotatum.errors import LogError, nearest
+from rotatum.errors import LogError
 from rotatum.logs.clock import Clock, ClockWatch, median_period
 from rotatum.logs.log import Log
 from rotatum.logs.mapping import Mapped
@@ -119,35 +119,6 @@ class LogReader:
             clock.add(time)
             yield self._piece(block, time, watches, holds)
         self._finish(clock, watches, rows)
-
-    def mean_deflection(self, joint: str, role: str = "theta") -> float:
-        """Return the mean of q - theta over the whole log [rad]; samples with NaN are left out.
-
-        Parameters
-        ----------
-        joint : name of the joint in the log.
-        role : "theta", or "theta1" or "theta2" of an antagonistic joint.
-
-        Raises
-        ------
-        LogError if the log has no such joint or lacks one of the two angles.
-        """
-        roles = self.roles.get(joint)
-        if roles is None:
-            close = nearest(joint, self.roles)
-            hint = f'Did you mean "{close}"?' if close else None
-            raise LogError("no such joint in the log", where=self._path, value=joint, hint=hint)
-        for needed in ("q", role):
-            if needed not in roles:
-                what = f"joint {joint} has no {needed}, so no deflection"
-                raise LogError(what, where=self._path, allowed=roles)
-        total, count = 0.0, 0
-        for piece in self:
-            deflection = piece.joints[joint]["q"] - piece.joints[joint][role]
-            deflection = deflection[np.isfinite(deflection)]
-            total += float(deflection.sum())
-            count += deflection.size
-        return total / count if count else nan
 
     def _peek(self) -> tuple[Block, bool]:
         """Read the first block, and find out whether it is the whole log."""

@@ -1,14 +1,17 @@
-"""What a device is: joints, motors, transmissions, encoders, units; read from TOML."""
+"""What a device is: joints, motors, transmissions, elastic laws, units; read from TOML."""
 
 from rotatum.models.channel import ROLES, Channel
 from rotatum.models.device import Device, device_from_tables, device_names, load_device
 from rotatum.models.joint import FIT_QUANTITIES, EstimatorSettings, Joint
-from rotatum.models.parts import Basis, Encoders, Link, Motor, Setpoint, Transmission
+from rotatum.models.laws import LAWS, Law
+from rotatum.models.parts import Basis, Encoders, Link, Motor, Setpoint
 from rotatum.models.quantity import Uncertain
+from rotatum.models.transmission import Transmission
 from rotatum.models.units import Unit, find_unit, unit_names
 
 __all__ = [
     "FIT_QUANTITIES",
+    "LAWS",
     "ROLES",
     "Basis",
     "Channel",
@@ -16,6 +19,7 @@ __all__ = [
     "Encoders",
     "EstimatorSettings",
     "Joint",
+    "Law",
     "Link",
     "Motor",
     "Setpoint",

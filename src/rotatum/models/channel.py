@@ -8,13 +8,17 @@ from pydantic import Field, model_validator
 
 from rotatum.models.table import NonZero, Real, Table
 
-__all__ = ["MOTOR_SIDE_ROLES", "ROLES", "ROLE_KINDS", "Channel"]
+__all__ = ["MOTOR_SIDE_ROLES", "ROLES", "ROLE_KINDS", "SETPOINT_MOTOR", "Channel"]
 
 _COMMON = ("torque_measured", "tau_ext", "acc", "stiffness_true", "torque_true")
+_EACH = ("stiffness1_true", "stiffness2_true", "torque1_true", "torque2_true")
 # Roles a joint's channels can have, by actuation.
 ROLES: dict[str, tuple[str, ...]] = {
     "series": ("q", "theta", "tau", *_COMMON),
-    "antagonistic": ("q", "theta1", "theta2", "tau1", "tau2", *_COMMON),
+    "antagonistic": (
+        *("q", "theta1", "theta2", "tau1", "tau2", "torque_measured1", "torque_measured2"),
+        *(*_COMMON, *_EACH),
+    ),
     "serial": ("q", "theta", "setpoint", "tau", *_COMMON),
 }
 # Kinds of unit each role may be given in.
@@ -29,11 +33,18 @@ ROLE_KINDS: dict[str, tuple[str, ...]] = {
     "tau1": ("torque",),
     "tau2": ("torque",),
     "torque_measured": ("torque",),
+    "torque_measured1": ("torque",),
+    "torque_measured2": ("torque",),
     "tau_ext": ("torque",),
     "acc": ("acceleration",),
     "stiffness_true": ("stiffness",),
+    "stiffness1_true": ("stiffness",),
+    "stiffness2_true": ("stiffness",),
     "torque_true": ("torque",),
+    "torque1_true": ("torque",),
+    "torque2_true": ("torque",),
 }
+SETPOINT_MOTOR = -1
 # Roles that may be logged on the motor's side of a gear, and the motor they belong to.
 MOTOR_SIDE_ROLES: dict[str, int] = {
     "theta": 0,
@@ -43,6 +54,9 @@ MOTOR_SIDE_ROLES: dict[str, int] = {
     "tau1": 0,
     "tau2": 1,
     "torque_measured": 0,
+    "torque_measured1": 0,
+    "torque_measured2": 1,
+    "setpoint": SETPOINT_MOTOR,
 }
 
 

@@ -18,7 +18,8 @@ from rotatum.models.joint import Clocked, Joint
 
 __all__ = ["Device", "device_from_tables", "device_names", "load_device"]
 
-_SHARED = ("name", "channels", "estimator", "joint")  # keys beside [[joint]]
+_SHARED = ("name", "channels", "estimator", "sources", "joint")  # keys beside [[joint]]
+_PLURALS = {"motor": "motors", "transmission": "transmissions"}
 
 
 @dataclass(frozen=True)
@@ -121,7 +122,7 @@ def device_from_tables(tables: Mapping[str, Any], source: str) -> Device:
 
 
 def _robot(name: str, tables: Mapping[str, Any], source: str) -> Device:
-    """Build a device of several [[joint]] tables, which share [estimator] and the clock."""
+    """Build a device of several [[joint]] tables, which share [estimator], [sources], the clock."""
     for key in tables:
         if key not in _SHARED:
             raise _unknown_key(key, _SHARED, source)
@@ -140,7 +141,8 @@ def _robot(name: str, tables: Mapping[str, Any], source: str) -> Device:
             raise DeviceError(what, where=source)
         time = own_time or time
         settings = {**tables.get("estimator", {}), **table.get("estimator", {})}
-        merged = {**table, "channels": channels, "estimator": settings}
+        sources = {**tables.get("sources", {}), **table.get("sources", {})}
+        merged = {**table, "channels": channels, "estimator": settings, "sources": sources}
         joints.append(_joint(merged, source, place))
     names = [joint.name for joint in joints]
     if len(set(names)) < len(names):
@@ -149,13 +151,14 @@ def _robot(name: str, tables: Mapping[str, Any], source: str) -> Device:
 
 
 def _joint(table: Mapping[str, Any], source: str, place: str) -> Joint:
-    """Build one joint; the file's `motor` is one table or an array of them."""
+    """Build one joint; `motor` and `transmission` are one table or an array of them."""
     fields = dict(table)
-    if "motors" in fields:
-        raise _unknown_key(f"{place}motors", key_names(Joint), source)
-    if "motor" in fields:
-        motor = fields.pop("motor")
-        fields["motors"] = motor if isinstance(motor, list) else [motor]
+    for one, many in _PLURALS.items():
+        if many in fields:
+            raise _unknown_key(f"{place}{many}", key_names(Joint), source)
+        if one in fields:
+            given = fields.pop(one)
+            fields[many] = given if isinstance(given, list) else [given]
     try:
         return Joint.model_validate(fields)
     except ValidationError as error:

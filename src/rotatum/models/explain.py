@@ -12,8 +12,8 @@ from rotatum.errors import DeviceError, nearest
 
 __all__ = ["explain", "key_names"]
 
-# The field holds all motors; the file calls each of them a motor.
-_FILE_NAMES = {"motors": "motor"}
+# The field holds all motors; the file calls each of them a motor. So with transmissions.
+_FILE_NAMES = {"motors": "motor", "transmissions": "transmission"}
 
 
 def explain(
@@ -33,16 +33,21 @@ def explain(
     key = place + _dotted(first["loc"])
     context = first.get("ctx", {})
     hint = _others(place, details)
-    if first["type"] == "extra_forbidden":
-        allowed = key_names(_model_at(model, first["loc"][:-1]))
-        hint = _joined(_suggestion(str(first["loc"][-1]), allowed), hint)
-        return DeviceError(f'unknown key "{key}"', where=source, allowed=allowed, hint=hint)
+    if first["type"] in ("extra_forbidden", "unknown_key"):
+        below = context.get("key")
+        allowed = context.get("allowed") or key_names(_model_at(model, first["loc"][:-1]))
+        name = below.rpartition(".")[2] if below else str(first["loc"][-1])
+        hint = _joined(_suggestion(name, allowed), hint)
+        what = f'unknown key "{_below(key, below)}"'
+        return DeviceError(what, where=source, allowed=allowed, hint=hint)
     if first["type"] == "bad_choice":
         value, allowed = context["value"], context["allowed"]
-        key = ".".join(part for part in (key, context["key"]) if part).replace("..", ".")
         hint = _joined(_suggestion(value, allowed), hint)
-        what = f"{key}: {context['what']}"
+        what = f"{_below(key, context['key'])}: {context['what']}"
         return DeviceError(what, where=source, value=value, allowed=allowed, hint=hint)
+    if first["type"] == "bad_value":
+        what = f"{_below(key, context['key'])} {context['rule']}"
+        return DeviceError(what, where=source, value=context["value"], hint=hint)
     if first["type"] == "missing":
         return DeviceError(f'the key "{key}" is missing', where=source, hint=hint)
     if first["type"] == "literal_error":
@@ -70,6 +75,11 @@ def _dotted(location: Sequence[str | int]) -> str:
         else:
             text += f"{'.' if text else ''}{_FILE_NAMES.get(part, part)}"
     return text
+
+
+def _below(key: str, below: str | None) -> str:
+    """Join a table's key and what is below it."""
+    return ".".join(part for part in (key, below) if part).replace("..", ".")
 
 
 def _rule(detail: ErrorDetails) -> str:

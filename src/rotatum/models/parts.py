@@ -1,15 +1,16 @@
-"""What a joint is made of: motor, transmission, link, encoders, set-point."""
+"""What a joint is made of: motor, link, encoders, set-point."""
 
 from __future__ import annotations
 
-from math import isfinite, pi
-from typing import Annotated, Literal, Self
+from math import pi
+from typing import Annotated, Literal, Self, overload
 
-from pydantic import BeforeValidator, Field, model_validator
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
 
 from rotatum.models.quantity import Uncertain
 from rotatum.models.table import (
-    NonNegative,
     NonNegativeQuantity,
     NonZero,
     Positive,
@@ -18,19 +19,9 @@ from rotatum.models.table import (
     Table,
 )
 
-__all__ = ["Encoders", "Link", "Motor", "Setpoint", "Transmission"]
+__all__ = ["Encoders", "Link", "Motor", "Setpoint"]
 
 _ZERO = Uncertain(0.0)
-# Constants each transmission law needs.
-_LAWS: dict[str, tuple[str, ...]] = {"linear": ("stiffness",), "cubic": ("stiffness", "cubic")}
-
-
-def _zero(raw: object) -> object:
-    """Accept the two words or a finite number."""
-    number = isinstance(raw, int | float) and not isinstance(raw, bool) and isfinite(raw)
-    if not number and raw not in ("first", "mean"):
-        raise ValueError('must be "first", "mean" or a number of radians')
-    return raw
 
 
 class Motor(Table):
@@ -63,43 +54,43 @@ class Motor(Table):
 
 
 class Setpoint(Table):
-    """How a serial joint's set-point follows from what is logged.
+    """How a serial joint's set-point follows from what is logged, and the motor that moves it.
 
-    law "lever": r = r0 - b * logged angle, r0 [m], b [m/rad].
+    law "lever": s = r0 - b * logged angle, r0 [m], b [m/rad] (flacco2012 eq. 51); "direct": the
+    set-point is what is logged. motor: the secondary motor, its constants on its own side of its
+    gear; the logged angle is behind the gear.
     """
 
-    law: Literal["lever"]
-    r0: Real
-    b: Real
-
-
-class Transmission(Table):
-    """The elastic element: its law (optional truth) and the zero of the deflection.
-
-    law "linear": tau_e = stiffness phi; "cubic": tau_e = stiffness phi + cubic phi^3.
-    stiffness [N m/rad], cubic [N m/rad^3], damping [N m s/rad] in parallel to the spring.
-    zero: the deflection at rest, subtracted from q - theta: "first" (mean of the first 50 ms),
-    "mean" (of the log), or a number [rad].
-    """
-
-    law: Literal["linear", "cubic"] | None = None
-    stiffness: Positive | None = None
-    cubic: Real | None = None
-    damping: NonNegative = 0.0
-    zero: Annotated[Literal["first", "mean"] | float, BeforeValidator(_zero)] = "first"
+    law: Literal["lever", "direct"]
+    r0: Real | None = None
+    b: NonZero | None = None
+    motor: Motor | None = None
 
     @model_validator(mode="after")
     def _constants_of_the_law(self) -> Self:
-        """Ask for the constants of the law, no more and no fewer."""
-        needed = _LAWS[self.law] if self.law else ()
-        for name in ("stiffness", "cubic"):
+        """A lever has two constants, a direct set-point none."""
+        for name in ("r0", "b"):
             given = getattr(self, name) is not None
-            if given and name not in needed:
-                law = f'law "{self.law}"' if self.law else "a transmission without a law"
-                raise ValueError(f"{law} has no constant {name}")
-            if not given and name in needed:
-                raise ValueError(f'law "{self.law}" needs the constant {name}')
+            if given and self.law == "direct":
+                raise ValueError(f'law "direct" has no constant {name}')
+            if not given and self.law == "lever":
+                raise ValueError(f'law "lever" needs the constant {name}')
         return self
+
+    @property
+    def slope(self) -> float:
+        """Derivative ds/dangle of the set-point: -b, or 1."""
+        return 1.0 if self.b is None else -self.b
+
+    @overload
+    def value(self, angle: float) -> float: ...
+    @overload
+    def value(self, angle: NDArray[np.float64]) -> NDArray[np.float64]: ...
+    def value(self, angle: float | NDArray[np.float64]) -> float | NDArray[np.float64]:
+        """Return the set-point at logged angles [rad], or at what is logged directly."""
+        if self.r0 is None or self.b is None:
+            return angle
+        return self.r0 - self.b * angle
 
 
 class Link(Table):

@@ -19,6 +19,8 @@ __all__ = [
     "Real",
     "Table",
     "bad_choice",
+    "bad_value",
+    "unknown_key",
 ]
 
 
@@ -46,6 +48,31 @@ def bad_choice(what: str, key: str, value: str, allowed: Sequence[str]) -> Pydan
     """
     context = {"what": what, "key": key, "value": value, "allowed": tuple(allowed)}
     return PydanticCustomError("bad_choice", "{what}", context)
+
+
+def bad_value(rule: str, key: str, value: object) -> PydanticCustomError:
+    """Return the error of a value that breaks a rule, such as "must be a number".
+
+    Parameters
+    ----------
+    rule : the rule, so that it can follow the key.
+    key : dotted key below the table that is being validated.
+    value : the value given.
+    """
+    return PydanticCustomError("bad_value", "{rule}", {"rule": rule, "key": key, "value": value})
+
+
+def unknown_key(key: str, allowed: Sequence[str]) -> PydanticCustomError:
+    """Return the error of a key that a table does not have.
+
+    Parameters
+    ----------
+    key : dotted key below the table that is being validated.
+    allowed : the keys there are.
+    """
+    return PydanticCustomError(
+        "unknown_key", "unknown key", {"key": key, "allowed": tuple(allowed)}
+    )
 
 
 def _quantity(raw: object) -> object:

@@ -96,9 +96,9 @@ def _truth(shown: View, phi: Array, grid: Array) -> list[Trace]:
         x, y = _by_deflection(phi, torque)
         return [line("truth", 1e3 * x, y, TRUTH, dash="dash")]
     spring = shown.joint.transmission
-    if spring.stiffness is None:
+    if spring.law is None:
         return []
-    told = spring.stiffness * grid + (spring.cubic or 0.0) * grid**3
+    told = spring.torque(grid)
     return [line("device file's law", 1e3 * grid, told, TRUTH, dash="dash")]
 
 

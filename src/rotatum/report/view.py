@@ -104,8 +104,8 @@ class View:
     @cached_property
     def measured_torque(self) -> Array | None:
         """Measured elastic torque at each sample, None where there is no sensor."""
-        values = self.estimate.measured_torque
-        return values[self.order] if len(values) else None
+        values = self.estimate.logged.get("torque_measured")
+        return None if values is None else values[self.order]
 
     @cached_property
     def half(self) -> Array:

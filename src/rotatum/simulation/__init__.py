@@ -1,21 +1,37 @@
-"""Robots with known truth: plants, torques that move them, sensors with faults, logs of them."""
+"""Robots with known truth: plants, drives that move them, sensors with faults, logs of them."""
 
 from rotatum.simulation.demo import demo_log
-from rotatum.simulation.excitation import After, Chirp, Sines, Torque, multisine, sine
-from rotatum.simulation.plant import SeriesPlant, plant_of
+from rotatum.simulation.excitation import (
+    After,
+    Chirp,
+    Drive,
+    Ramps,
+    Sawtooth,
+    Sines,
+    Square,
+    hold,
+    multisine,
+    sine,
+)
+from rotatum.simulation.joint import simulate_joint
+from rotatum.simulation.plant import Body, Plant, plant_of
 from rotatum.simulation.sensors import Sensors
-from rotatum.simulation.series import simulate_series
 
 __all__ = [
     "After",
+    "Body",
     "Chirp",
+    "Drive",
+    "Plant",
+    "Ramps",
+    "Sawtooth",
     "Sensors",
-    "SeriesPlant",
     "Sines",
-    "Torque",
+    "Square",
     "demo_log",
+    "hold",
     "multisine",
     "plant_of",
-    "simulate_series",
+    "simulate_joint",
     "sine",
 ]

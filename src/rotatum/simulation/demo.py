@@ -9,8 +9,8 @@ import numpy as np
 
 from rotatum.models.device import device_from_tables
 from rotatum.simulation.excitation import After, multisine, sine
+from rotatum.simulation.joint import simulate_joint
 from rotatum.simulation.sensors import Sensors
-from rotatum.simulation.series import simulate_series
 
 if TYPE_CHECKING:
     from rotatum.logs.log import Log
@@ -75,11 +75,11 @@ def demo_log(seed: int = 0) -> tuple[Device, Log]:
     time = PERIOD * np.arange(round(SECONDS / PERIOD))
     noise = TORQUE_NOISE * float(np.sqrt(np.mean(torque(time) ** 2)))
     sensors = Sensors(noise={"tau": noise, "torque_measured": noise})
-    log = simulate_series(
+    log = simulate_joint(
         device.joints[0],
         seconds=SECONDS,
         period=PERIOD,
-        torque=torque,
+        drives={"tau": torque},
         sensors=sensors,
         seed=seed,
     )

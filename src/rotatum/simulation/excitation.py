@@ -1,17 +1,18 @@
-"""Torques that move a joint: functions of time, reproducible from a seed."""
+"""Functions of time that drive a joint: torques and set-points, reproducible from a seed."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rotatum.errors import RotatumError
 
-Torque = Callable[[NDArray[np.float64]], NDArray[np.float64]]
-"""Time (N,) [s] -> torque (N,) [N m], joint side."""
+Drive = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+"""Time (N,) [s] -> torque (N,) [N m] at the joint, or set-point (N,) in its own unit."""
 
 
 @dataclass(frozen=True)
@@ -90,10 +91,10 @@ def multisine(*, rms: float, low: float, high: float, count: int, seed: int) -> 
 
 @dataclass(frozen=True)
 class After:
-    """Rest, then another torque: zero before `start` [s], `torque` of the time since from there."""
+    """Rest, then a drive: zero before `start` [s], `torque` of the time since from there."""
 
     start: float
-    torque: Torque
+    torque: Drive
 
     def __call__(self, time: ArrayLike) -> NDArray[np.float64]:
         """Return the torque (N,) [N m] at times (N,) [s]."""
@@ -127,3 +128,80 @@ class Chirp:
         slope = (self.high - self.low) / self.seconds
         turns = self.low * swept + 0.5 * slope * swept * swept + self.high * (t - swept)
         return self.amplitude * np.sin(2.0 * np.pi * turns)
+
+
+@dataclass(frozen=True)
+class Sawtooth:
+    """A ramp that starts over: from 0 up to `amplitude`, down at once to its negative, and so on.
+
+    ``2 A (x - floor(x + 1/2))``, ``x = f t``.
+    """
+
+    amplitude: float  # A [N m]
+    frequency: float  # f [Hz]
+
+    def __call__(self, time: ArrayLike) -> NDArray[np.float64]:
+        """Return the torque (N,) [N m] at times (N,) [s]."""
+        turns = self.frequency * np.asarray(time, dtype=np.float64)
+        ramp: NDArray[np.float64] = turns - np.floor(turns + 0.5)
+        return 2.0 * self.amplitude * ramp
+
+
+@dataclass(frozen=True)
+class Square:
+    """A square wave: `amplitude` for the first half of each period, its negative for the second."""
+
+    amplitude: float  # [N m]
+    frequency: float  # [Hz]
+
+    def __call__(self, time: ArrayLike) -> NDArray[np.float64]:
+        """Return the torque (N,) [N m] at times (N,) [s]."""
+        turns = self.frequency * np.asarray(time, dtype=np.float64)
+        return np.where(turns - np.floor(turns) < 0.5, self.amplitude, -self.amplitude)
+
+
+@dataclass(frozen=True)
+class Ramps:
+    """A smooth path through points: a set-point that is swept, and held where two are equal.
+
+    Between two points the value follows ``10 u^3 - 15 u^4 + 6 u^5``, which begins and ends without
+    velocity and acceleration; before the first and after the last it stays.
+
+    >>> Ramps((0.0, 10.0, 20.0), (0.10, 0.08, 0.10))([0.0, 5.0, 10.0, 30.0])
+    array([0.1 , 0.09, 0.08, 0.1 ])
+
+    Parameters
+    ----------
+    times
+        (n,) s, growing.
+    values
+        (n,) at those times.
+    """
+
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        """Raise `RotatumError` for lists that differ in length, and times that do not grow."""
+        if len(self.times) != len(self.values) or not self.times:
+            raise RotatumError(
+                "times and values of ramps must be as many, at least one",
+                value=(len(self.times), len(self.values)),
+            )
+        if np.any(np.diff(self.times) <= 0.0):
+            raise RotatumError("the times of ramps must grow", value=self.times, where="times")
+
+    def __call__(self, time: ArrayLike) -> NDArray[np.float64]:
+        """Return the value (N,) at times (N,) [s]."""
+        t = np.asarray(time, dtype=np.float64)
+        path = np.full_like(t, self.values[0])
+        knots = list(zip(self.times, self.values, strict=True))
+        for (begin, low), (end, high) in pairwise(knots):
+            u = np.clip((t - begin) / (end - begin), 0.0, 1.0)
+            path += (high - low) * u * u * u * (10.0 + u * (6.0 * u - 15.0))
+        return path
+
+
+def hold(value: float) -> Ramps:
+    """Return a drive that does not change."""
+    return Ramps((0.0,), (value,))

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotatum.errors import RotatumError
-from rotatum.simulation.plant import SeriesPlant
 from rotatum.simulation.sensors import Sensors
 from rotatum.simulation.trajectory import Trajectory
 
@@ -28,11 +27,17 @@ STREAMS = (
     "nan channel",
     "repeats",
     "dropouts",
+    "noise.theta1",
+    "noise.theta2",
+    "noise.setpoint",
+    "noise.tau1",
+    "noise.tau2",
+    "noise.torque_measured1",
+    "noise.torque_measured2",
 )
 
 
 def readings(
-    plant: SeriesPlant,
     trajectory: Trajectory,
     sensors: Sensors,
     *,
@@ -44,8 +49,8 @@ def readings(
 
     Parameters
     ----------
-    plant, trajectory, sensors
-        What moved, how, and what watched it.
+    trajectory, sensors
+        What moved, and what watched it.
     roles
         The channels recorded, of `rotatum.simulation.sensors.ROLES`.
     counts
@@ -55,8 +60,8 @@ def readings(
     """
     channels: Channels = {}
     for role in roles:
-        x = _true_channel(plant, trajectory.before(sensors.delay.get(role, 0.0)), role)
-        if role == "theta":
+        x = _true_channel(trajectory.before(sensors.delay.get(role, 0.0)), role)
+        if role in trajectory.plant.motor_roles:
             x = x - sensors.deflection_zero
         if sensors.noise.get(role, 0.0) > 0.0:
             x = x + sensors.noise[role] * _stream(seed, f"noise.{role}").standard_normal(x.size)
@@ -79,13 +84,14 @@ def quantise(x: NDArray[np.float64], counts: float) -> NDArray[np.float64]:
     return step * np.round(x / step)
 
 
-def _true_channel(plant: SeriesPlant, motion: Trajectory, role: str) -> NDArray[np.float64]:
+def _true_channel(motion: Trajectory, role: str) -> NDArray[np.float64]:
+    # a sensor in the drive train feels the whole transmitted torque, spring damping included
     if role == "torque_measured":
-        # a sensor in the drive train feels the whole transmitted torque, spring damping included
-        rate = motion.dq - motion.dtheta
-        return plant.elastic_torque(motion.q - motion.theta) + plant.spring_damping * rate
-    channel: NDArray[np.float64] = getattr(motion, role)
-    return channel
+        total: NDArray[np.float64] = np.sum(motion.transmitted, axis=0)
+        return total
+    if role in ("torque_measured1", "torque_measured2"):
+        return motion.transmitted[int(role[-1]) - 1]
+    return motion.held[role] if role in motion.held else motion.position[role]
 
 
 def _with_stale(channels: Channels, sensors: Sensors, seed: int) -> Channels:

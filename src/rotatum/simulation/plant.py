@@ -1,140 +1,193 @@
-"""The series-elastic joint as a plant: equations of motion, energy, fastest rate."""
+"""A joint as a plant: its bodies and springs out of the device file, and their fastest rate."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
 
 from rotatum.errors import DeviceError
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from rotatum.models.joint import Joint
+    from rotatum.models.parts import Motor
+    from rotatum.models.transmission import Transmission
 
 # Smaller is truer to a sign but needs more integration steps: with the default ten a millisecond,
 # a robot's elbow under friction is then right to 1e-6 rad, far below any encoder's count.
 SMOOTHING = 5e-3
 
 
-class SeriesPlant(NamedTuple):
-    """Constants of a motor and a link joined by one spring, all on the joint side.
+@dataclass(frozen=True)
+class Body:
+    """A turning mass with its friction, at the joint.
 
-    With the deflection ``phi = q - theta``::
-
-        M q''     + Dq q' + Cq sgn(q') + G sin(q) + tau_e = tau_ext
-        B theta'' + D theta' + C sgn(theta')      - tau_e = tau
-        tau_e = K phi + K3 phi^3 + Dt phi'
-
-    ``sgn(v)`` is regularised as ``tanh(v / smoothing)``: within 0.04 % of full Coulomb friction
-    from four times `smoothing` on, and steep viscous friction (a creep, never true sticking)
-    below it.
+    ``sgn(v)`` of Coulomb friction is regularised as ``tanh(v / smoothing)``: within 0.04 % of full
+    friction from four times `smoothing` on, and steep viscous friction (a creep, never true
+    sticking) below it.
     """
 
-    link_inertia: float  # M [kg m^2]
-    link_damping: float  # Dq [N m s/rad]
-    link_coulomb: float  # Cq [N m]
-    gravity_torque: float  # G [N m], q = 0 hanging down
-    motor_inertia: float  # B [kg m^2]
-    motor_damping: float  # D [N m s/rad]
-    motor_coulomb: float  # C [N m]
-    stiffness: float  # K [N m/rad]
-    cubic: float = 0.0  # K3 [N m/rad^3]
-    spring_damping: float = 0.0  # Dt [N m s/rad]
-    smoothing: float = SMOOTHING  # [rad/s]
+    inertia: float  # [kg m^2]
+    damping: float = 0.0  # [N m s/rad]
+    coulomb: float = 0.0  # [N m]
 
-    def elastic_torque(self, phi: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return ``K phi + K3 phi^3`` (N,) [N m] at deflections (N,) [rad], without damping."""
-        return (self.stiffness + self.cubic * phi * phi) * phi
-
-    def elastic_stiffness(self, phi: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return ``K + 3 K3 phi^2`` (N,) [N m/rad] at deflections (N,) [rad]."""
-        return self.stiffness + 3.0 * self.cubic * phi * phi
+    def rate(self, smoothing: float) -> float:
+        """Return the fastest rate of its friction alone [1/s]."""
+        return (self.damping + self.coulomb / smoothing) / self.inertia
 
 
-class State(NamedTuple):
-    """Positions [rad] and velocities [rad/s] of link and motor, on the joint side."""
+@dataclass(frozen=True)
+class Plant:
+    """A link, its motors, the springs between them, and perhaps a motor that moves a set-point.
 
-    q: float = 0.0
-    dq: float = 0.0
-    theta: float = 0.0
-    dtheta: float = 0.0
+    flacco2012 eqs 3-4 (series), 7-8 (antagonistic), 12 (serial), all on the joint side::
 
+        M q''       + Dq q' + Cq sgn(q') + G sin(q) + sum tau_e = tau_ext
+        B theta''   + D theta' + C sgn(theta')      - tau_e     = tau      for each motor
+        Bc theta_c'' + Dc theta_c' + Cc sgn(theta_c') + psi_e   = tau_c    of a serial joint
+        tau_e = dU/dphi + Dt phi',  psi_e = dU/ds ds/dtheta_c,  phi = q - theta,  s(theta_c)
 
-def accelerations(
-    plant: SeriesPlant, state: tuple[float, ...], tau: float, tau_ext: float
-) -> tuple[float, float]:
-    """Return ``(q'', theta'')`` [rad/s^2] under torques `tau` and `tau_ext` [N m]."""
-    M, Dq, Cq, G, B, D, C, K, K3, Dt, eps = plant
-    q, dq, theta, dtheta = state
-    phi = q - theta
-    tau_e = (K + K3 * phi * phi) * phi + Dt * (dq - dtheta)
-    link = tau_ext - tau_e - G * math.sin(q) - Dq * dq
-    motor = tau + tau_e - D * dtheta
-    # tanh is the dearest operation of the loop, so joints without Coulomb friction skip it
-    if Cq != 0.0:
-        link -= Cq * math.tanh(dq / eps)
-    if C != 0.0:
-        motor -= C * math.tanh(dtheta / eps)
-    return link / M, motor / B
-
-
-def energy(plant: SeriesPlant, state: State) -> float:
-    """Return kinetic, gravity and elastic energy [J]; zero at rest, hanging, spring unloaded."""
-    phi = state.q - state.theta
-    kinetic = plant.link_inertia * state.dq**2 + plant.motor_inertia * state.dtheta**2
-    elastic = plant.stiffness * phi**2 + 0.5 * plant.cubic * phi**4
-    return 0.5 * (kinetic + elastic) + plant.gravity_torque * (1.0 - math.cos(state.q))
-
-
-def fastest_rate(plant: SeriesPlant) -> float:
-    """Return a bound on the plant's fastest rate at small deflection [rad/s].
-
-    In mass-weighted coordinates the linearised plant is ``[[0, W], [-W, -Z]]``, whose spectral
-    radius is at most ``|W| + |Z|``: the stiffness part plus the friction part.
+    Attributes
+    ----------
+    name, actuation
+        Of the joint.
+    link, motors
+        Its bodies; two motors for an antagonistic joint, agonist first.
+    transmissions
+        One for each motor, with a law.
+    gravity_torque
+        G [N m], q = 0 hanging down.
+    setpoint_motor
+        Of a serial joint whose device gives it.
+    offset, slope
+        The set-point is ``offset + slope * theta_c``.
+    smoothing
+        [rad/s] of all Coulomb friction.
     """
-    M, Dq, Cq, G, B, D, C, K, _, Dt, eps = plant
-    mobility = 1.0 / M + 1.0 / B
-    oscillation = math.sqrt(abs(K) * mobility + abs(G) / M)
-    return oscillation + max((Dq + Cq / eps) / M, (D + C / eps) / B) + Dt * mobility
+
+    name: str
+    actuation: str
+    link: Body
+    motors: tuple[Body, ...]
+    transmissions: tuple[Transmission, ...]
+    gravity_torque: float = 0.0
+    setpoint_motor: Body | None = None
+    offset: float = 0.0
+    slope: float = 1.0
+    smoothing: float = SMOOTHING
+
+    @property
+    def motor_roles(self) -> tuple[str, ...]:
+        """What the motors' positions are called in a log."""
+        return ("theta1", "theta2") if len(self.motors) == 2 else ("theta",)
+
+    @property
+    def torque_roles(self) -> tuple[str, ...]:
+        """What the motors' torques are called in a log."""
+        return ("tau1", "tau2") if len(self.motors) == 2 else ("tau",)
+
+    @property
+    def springs(self) -> tuple[tuple[str, int], ...]:
+        """Name and number of constants of each transmission's law."""
+        return tuple((t.model.name, t.constants.size) for t in self.transmissions)
+
+    def setpoint(self, angle: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the set-point (N,) of set-point motor angles (N,) [rad]."""
+        return self.offset + self.slope * angle
+
+    def rest_stiffness(self, setpoint: float) -> tuple[float, ...]:
+        """Return the stiffness of each transmission [N m/rad] at no deflection."""
+        return tuple(float(t.stiffness(0.0, setpoint)) for t in self.transmissions)
+
+    def oscillation_rate(self, stiffness: Sequence[float]) -> float:
+        """Return a bound on the rates [rad/s] at which the joint can swing without friction.
+
+        Parameters
+        ----------
+        stiffness
+            (M,) N m/rad, of the transmissions.
+        """
+        square = abs(self.gravity_torque) / self.link.inertia
+        pairs = zip(stiffness, self._mobility, strict=True)
+        return math.sqrt(square + sum(abs(k) * m for k, m in pairs))
+
+    def fastest_rate(self, stiffness: Sequence[float]) -> float:
+        """Return a bound on the plant's fastest rate [rad/s], its springs not moving the set-point.
+
+        In mass-weighted coordinates the linearised plant is ``[[0, W], [-W, -Z]]``, whose spectral
+        radius is at most ``|W| + |Z|``: the stiffness part plus the friction part.
+
+        Parameters
+        ----------
+        stiffness
+            (M,) N m/rad, of the transmissions.
+        """
+        bodies = [self.link, *self.motors]
+        # one with viscous friction can be taken without its inertia where it is too fast
+        if self.setpoint_motor is not None and self.setpoint_motor.damping == 0.0:
+            bodies.append(self.setpoint_motor)
+        friction = max(body.rate(self.smoothing) for body in bodies)
+        pairs = zip(self.transmissions, self._mobility, strict=True)
+        return self.oscillation_rate(stiffness) + friction + sum(t.damping * m for t, m in pairs)
+
+    @property
+    def _mobility(self) -> list[float]:
+        return [1.0 / self.link.inertia + 1.0 / motor.inertia for motor in self.motors]
+
+    def energy(self, at: NDArray[np.void]) -> NDArray[np.float64]:
+        """Return kinetic, gravity and elastic energy (N,) [J] of outputs (N,) of the stage.
+
+        Zero at rest, hanging, springs at their rest. The set-point motor's kinetic energy counts
+        where the device gives that motor.
+        """
+        kinetic = self.link.inertia * at["dq"] ** 2
+        elastic = np.zeros_like(kinetic)
+        for m, (motor, t) in enumerate(zip(self.motors, self.transmissions, strict=True)):
+            kinetic += motor.inertia * at["dtheta"][:, m] ** 2
+            elastic += t.energy(at["deflection"][:, m], at["setpoint"])
+        if self.setpoint_motor is not None:
+            kinetic += self.setpoint_motor.inertia * at["dangle"] ** 2
+        gravity = self.gravity_torque * (1.0 - np.cos(at["q"]))
+        energy: NDArray[np.float64] = 0.5 * kinetic + elastic + gravity
+        return energy
 
 
-def plant_of(joint: Joint, *, smoothing: float = SMOOTHING) -> SeriesPlant:
-    """Return the plant a device file's series joint describes (reflected to the joint side).
+def plant_of(joint: Joint, *, smoothing: float = SMOOTHING) -> Plant:
+    """Return the plant a device file's joint describes (reflected to the joint side).
 
-    Raises `DeviceError` for another actuation, or a missing motor inertia, link inertia or
-    transmission law.
+    Raises `DeviceError` for a missing motor inertia, link inertia or transmission law.
     """
-    if joint.actuation != "series":
-        raise DeviceError(
-            "only series joints can be simulated",
-            where=f"{joint.name}.actuation",
-            value=joint.actuation,
-            allowed=("series",),
-        )
-    motor = joint.motors[0] if joint.motors else None
-    inertia = motor.reflected_inertia if motor is not None else None
-    if motor is None or inertia is None:
+    if not joint.motors:
         raise _missing(joint, "motor.inertia")
-    link, spring = joint.link, joint.transmission
-    if link is None or link.inertia is None:
+    if joint.link is None or joint.link.inertia is None:
         raise _missing(joint, "link.inertia")
-    if spring.stiffness is None:
+    if any(t.law is None for t in joint.transmissions):
         raise _missing(joint, "transmission.law")
-    return SeriesPlant(
-        link_inertia=link.inertia.value,
-        link_damping=link.damping.value,
-        link_coulomb=link.coulomb.value,
-        gravity_torque=link.gravity_torque,
-        motor_inertia=inertia.value,
-        motor_damping=motor.reflected_damping.value,
-        motor_coulomb=motor.reflected_coulomb.value,
-        stiffness=spring.stiffness,
-        cubic=spring.cubic or 0.0,
-        spring_damping=spring.damping,
+    setpoint = joint.setpoint
+    moved = setpoint.motor if setpoint is not None else None
+    return Plant(
+        name=joint.name,
+        actuation=joint.actuation,
+        link=Body(joint.link.inertia.value, joint.link.damping.value, joint.link.coulomb.value),
+        motors=tuple(_body(joint, motor, "motor.inertia") for motor in joint.motors),
+        transmissions=joint.transmissions,
+        gravity_torque=joint.link.gravity_torque,
+        setpoint_motor=_body(joint, moved, "setpoint.motor.inertia") if moved else None,
+        offset=setpoint.value(0.0) if setpoint is not None else 0.0,
+        slope=setpoint.slope if setpoint is not None else 1.0,
         smoothing=smoothing,
     )
+
+
+def _body(joint: Joint, motor: Motor, key: str) -> Body:
+    inertia = motor.reflected_inertia
+    if inertia is None:
+        raise _missing(joint, key)
+    return Body(inertia.value, motor.reflected_damping.value, motor.reflected_coulomb.value)
 
 
 def _missing(joint: Joint, key: str) -> DeviceError:

@@ -8,8 +8,23 @@ from dataclasses import dataclass, field
 
 from rotatum.errors import RotatumError, nearest
 
-ROLES = ("q", "theta", "tau", "torque_measured", "tau_ext")
-ENCODERS = ("q", "theta")
+# What a simulated joint's log holds, by actuation, beside the truth and an external torque.
+LOGGED = {
+    "series": ("q", "theta", "tau", "torque_measured"),
+    "antagonistic": (
+        "q",
+        "theta1",
+        "theta2",
+        "tau1",
+        "tau2",
+        "torque_measured",
+        "torque_measured1",
+        "torque_measured2",
+    ),
+    "serial": ("q", "theta", "setpoint", "tau", "torque_measured"),
+}
+ENCODERS = ("q", "theta", "theta1", "theta2", "setpoint")
+ROLES = (*dict.fromkeys(role for roles in LOGGED.values() for role in roles), "tau_ext")
 
 
 @dataclass(frozen=True)
@@ -24,11 +39,11 @@ class Sensors:
         role -> s: the reading is that of an earlier instant, whole samples or not. Different
         delays for "q" and "theta" are an encoder skew.
     deflection_zero
-        rad, constant added to the measured ``q - theta`` (the motor encoder reads lower by it).
+        rad, constant added to the measured ``q - theta`` (motor encoders read lower by it).
     noise
         role -> standard deviation of white Gaussian noise [rad or N m].
     counts
-        "q" or "theta" -> counts per turn at the joint; the reading is rounded to the nearest
+        role of an angle -> counts per turn at the joint; the reading is rounded to the nearest
         count. None takes those of the device's encoders, an empty mapping quantises nothing.
     stale
         Number of samples at which every channel still shows the sample before.
@@ -64,6 +79,14 @@ class Sensors:
         for name in ("nan_rows", "dropout_rows"):
             if getattr(self, name) < 1:
                 raise _impossible(name, getattr(self, name), "1 or more")
+
+    def fit(self, actuation: str) -> None:
+        """Raise `RotatumError` for a channel that joints of this actuation do not have."""
+        roles = (*LOGGED[actuation], "tau_ext")
+        for name, values in (("delay", self.delay), ("noise", self.noise)):
+            _check_roles(name, values, roles, at_least=0.0)
+        angles = tuple(role for role in roles if role in ENCODERS)
+        _check_roles("counts", self.counts or {}, angles, at_least=1.0)
 
 
 def _check_roles(

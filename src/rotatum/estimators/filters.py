@@ -1,0 +1,93 @@
+"""Parameters of the filters that make rows: low-pass, residual, kinematic filter, friction."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from rotatum.estimators.gains import steady_gains, velocity_std
+from rotatum.estimators.settings import Settings
+from rotatum.models import Joint
+
+SLOW = 0.01  # rad/s at which the motor should move by a count in the span of the velocity
+REST = 1e-3  # rad/s below which Coulomb friction has no sign, however good the encoder
+
+
+def fill_weak(
+    record: Any, joint: Joint, motor: int, settings: Settings, period: float, held: bool
+) -> None:
+    """Fill ``WeakParams`` but for its columns.
+
+    Args:
+        record: to fill.
+        joint: constants.
+        motor: which of its motors.
+        settings: method, cutoff.
+        period: s.
+        held: whether the torque is a command held until the next sample.
+    """
+    record["period"] = period
+    record["pole"] = math.exp(-settings.cutoff * period)
+    # No transient to wait for (see kernels.weak), only for the low-pass to average noise.
+    record["settle"] = 3 + math.ceil(3.0 / (settings.cutoff * period))
+    record["held"] = int(held)
+    _motor_constants(record, joint, motor)
+
+
+def fill_friction(
+    record: Any, joint: Joint, settings: Settings, period: float, notes: dict[str, str]
+) -> None:
+    """Choose the span of the velocity whose sign Coulomb friction has: 0 without friction."""
+    if "coulomb" not in settings.fit and record["coulomb"] == 0.0:
+        return
+    resolution = joint.encoders.resolution("motor") or 0.0
+    longest = min(31, int(2.0 / (settings.cutoff * period)))
+    delay = max(1, min(longest, math.ceil(resolution / (2.0 * period * SLOW))))
+    # Two quantised positions, 2 delay apart: std resolution sqrt(2 / 12) over that time.
+    std = resolution / math.sqrt(6.0) / (2.0 * delay * period)
+    record["delay"] = delay
+    record["width"] = max(3.0 * std, REST)
+    notes["friction"] = (
+        f"sign of the velocity across +-{delay} samples, linear below {record['width']:.3g} rad/s; "
+        f"rows lag by {1e3 * delay * period:.3g} ms"
+    )
+
+
+def fill_residual(
+    record: Any, joint: Joint, motor: int, settings: Settings, period: float, held: bool
+) -> None:
+    """Fill ``ResidualParams``; arguments as in ``fill_weak``."""
+    record["period"] = period
+    record["gain"] = settings.cutoff
+    # The residual starts from 0: exp(-8) of the first torque is left after 8 time constants.
+    record["settle"] = 1 + math.ceil(8.0 / (settings.cutoff * period))
+    record["held"] = int(held)
+    record["offset"] = int("offset" in settings.fit)
+    _motor_constants(record, joint, motor)
+
+
+def fill_kinematic(
+    record: Any, joint: Joint, settings: Settings, period: float, notes: dict[str, str]
+) -> float:
+    """Fill the kinematic filter; returns the speed below which friction has no clear sign."""
+    bandwidth = min(10.0 * settings.cutoff, 1.0 / period)
+    record["period"] = period
+    alpha, beta = steady_gains(bandwidth, period)
+    record["position_gain"], record["velocity_gain"] = alpha, beta
+    resolution = joint.encoders.resolution("motor") or 0.0
+    std = velocity_std(bandwidth, period, resolution)
+    notes["velocity"] = (
+        f"steady kinematic Kalman filter, bandwidth {bandwidth:g} rad/s, acceleration variance "
+        f"{bandwidth**4 * resolution**2 / 12.0:.3g} rad^2/s^4, velocity noise {std:.3g} rad/s "
+        f"from a resolution of {resolution:.3g} rad"
+    )
+    return max(3.0 * std, REST)
+
+
+def _motor_constants(record: Any, joint: Joint, motor: int) -> None:
+    if joint.motors:
+        described = joint.motors[motor]
+        inertia = described.reflected_inertia
+        record["inertia"] = inertia.value if inertia is not None else 0.0
+        record["damping"] = described.reflected_damping.value
+        record["coulomb"] = described.reflected_coulomb.value
