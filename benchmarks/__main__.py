@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks import batch, commands, native, online
+from benchmarks import batch, commands, native, online, scenario
 from benchmarks.table import Figure, as_json, as_text
 from benchmarks.timing import say
 
@@ -54,7 +54,8 @@ def _figures(options: argparse.Namespace, directory: Path) -> list[Figure]:
         if native.compiler() is None:
             say("no C compiler: nothing to compare Bank.run with")
         else:
-            found += batch.figures(directory, options.repetitions)
+            for case, joint in ((scenario.series(), ""), (scenario.pair(), "pair: ")):
+                found += batch.figures(case, joint, directory, options.repetitions)
     if only in (None, "online"):
         found += online.figures(max(1, options.repetitions // 10))
     if only in (None, "commands"):

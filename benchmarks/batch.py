@@ -9,39 +9,46 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks import native, scenario
+from benchmarks import native
 from benchmarks.hand_config import hand_version
 from benchmarks.native import NATIVE_FLAGS, SAME_FLAGS, Native
+from benchmarks.scenario import Case
 from benchmarks.table import Figure
 from benchmarks.timing import Runner, Worst, interleaved, ratio, say, worst_case
 from rotatum.record import Records
 from rotatum.runtime import Bank
 
 TOLERANCE = 1e-9  # relative: rounding of reciprocals and contractions, over 50,000 rows
-SLICE = slice(10_000, 12_500)  # 1 s of the log: short runs, so that interruptions hit few of them
+SLICE = slice(10_000, 12_500)  # of the log: short runs, so that interruptions hit few of them
 
 
 class Disagreement(Exception):
     """The hand-written C does not compute what the bank does: ratios would mean nothing."""
 
 
-def figures(directory: Path, repetitions: int) -> list[Figure]:
-    """Measure ratios, medians over turns; raise ``Disagreement`` first if results differ."""
-    case = scenario.case()
-    say("compiling the bank and the C versions ...")
-    versions = _versions(directory)
+def figures(case: Case, joint: str, directory: Path, repetitions: int) -> list[Figure]:
+    """Measure ratios, medians over turns; raise ``Disagreement`` first if results differ.
+
+    Args:
+        case: what runs.
+        joint: what the table calls it, ``""``: the usual one.
+        directory: for the C.
+        repetitions: turns.
+    """
+    say(f"{case.name}: compiling the bank and the C versions ...")
+    versions = _versions(case, directory)
     bank = Bank(case.stage, case.params)
     expected = bank.run(case.inputs)
     for name, version in versions.items():
-        _check(name, version, case.inputs, expected)
-    say("timing Bank.run and C ...")
+        _check(f"{case.name}, {name}", version, case.inputs, expected)
+    say(f"{case.name}: timing Bank.run and C ...")
     seconds = interleaved(_runners(bank, versions, case.inputs), repetitions)
     best = {name: 1e9 * min(times) / (SLICE.stop - SLICE.start) for name, times in seconds.items()}
 
     def figure(what: str, top: str, bottom: str, target: float) -> Figure:
         quiet = best[top] / best[bottom]
         note = f"at their best {best[top]:.0f} / {best[bottom]:.0f} ns a sample = {quiet:.2f} x"
-        return Figure(what, ratio(seconds, top, bottom), "x", target, note=note)
+        return Figure(f"{joint}{what}", ratio(seconds, top, bottom), "x", target, note=note)
 
     found = [
         figure("Bank.run / C by hand, native", "bank", "hand native", 1.5),
@@ -49,15 +56,14 @@ def figures(directory: Path, repetitions: int) -> list[Figure]:
         figure("exported C / C by hand, native", "exported same", "hand native", 1.5),
         figure("exported C native / C by hand native", "exported native", "hand native", 1.5),
     ]
-    say("timing every sample in C ...")
-    return found + _worst(versions, case.inputs)
+    say(f"{case.name}: timing every sample in C ...")
+    return found + _worst(case, joint, versions)
 
 
-def _versions(directory: Path) -> dict[str, Native]:
-    case = scenario.case()
-    hand, exported = native.hand_code(), native.exported_code(case.stage, directory)
+def _versions(case: Case, directory: Path) -> dict[str, Native]:
+    exported = native.exported_code(case.stage, directory)
     flags = {"same": SAME_FLAGS, "native": NATIVE_FLAGS}
-    found = {f"hand {k}": hand_version(hand, f, directory, case.params) for k, f in flags.items()}
+    found = {f"hand {k}": hand_version(case, f, directory) for k, f in flags.items()}
     constants = case.params.view(np.uint8)
     return found | {
         f"exported {k}": Native(exported, f, directory, constants) for k, f in flags.items()
@@ -73,11 +79,11 @@ def _check(name: str, version: Native, inputs: Records, expected: Records) -> No
         a, b = out[-1, 0][field], expected[-1, 0][field]
         worst = float(np.max(np.abs(a - b) / np.abs(b)))
         if not worst <= TOLERANCE:
-            raise Disagreement(f"{field} of {name} C differs from the bank's by {worst:.2g} of it")
+            raise Disagreement(f"{field} of {name}: C differs from the bank's by {worst:.2g} of it")
     for field in ("verdict", "status", "rows"):
         count = int(np.count_nonzero(out[field] != expected[field]))
         if count:
-            raise Disagreement(f"{field} of {name} C differs from the bank's at {count} samples")
+            raise Disagreement(f"{field} of {name}: C differs from the bank's at {count} samples")
 
 
 def _runners(bank: Bank, versions: dict[str, Native], inputs: Records) -> dict[str, Runner]:
@@ -97,9 +103,9 @@ def _run(version: Native, u: Records, out: Records) -> Callable[[], None]:
     return lambda: version.run(u, out)
 
 
-def _worst(versions: dict[str, Native], inputs: Records) -> list[Figure]:
-    u = inputs[:, 0].copy()
-    out = np.zeros(len(u), scenario.case().stage.output.dtype)
+def _worst(case: Case, joint: str, versions: dict[str, Native]) -> list[Figure]:
+    u = case.inputs[:, 0].copy()
+    out = np.zeros(len(u), case.stage.output.dtype)
 
     def times(version: Native) -> Worst:
         def once() -> NDArray[np.int64]:
@@ -112,6 +118,6 @@ def _worst(versions: dict[str, Native], inputs: Records) -> list[Figure]:
 
     found = {name: times(version) for name, version in versions.items() if "native" not in name}
     return [
-        Figure(f"worst sample of {name.split()[0]} C", worst.worst, "ns", note=str(worst))
+        Figure(f"{joint}worst sample of {name.split()[0]} C", worst.worst, "ns", note=str(worst))
         for name, worst in found.items()
     ]

@@ -3,82 +3,110 @@
 from __future__ import annotations
 
 import ctypes
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from benchmarks.native import Code, Native
-from rotatum.record import Records
+from benchmarks.native import Native, hand_code
+from benchmarks.scenario import Case
 
-# In the order of weak_series_config. Where from: the path in the stage's params.
-FIELDS: dict[str, str] = {
-    "period": "guard.period",
-    "missing": "guard.missing",
-    "jump": "guard.jump.0",
-    "torque_limit": "guard.limit.2",
-    "wrap_q": "guard.wrap.0",
-    "wrap_theta": "guard.wrap.1",
-    "zero_samples": "inner.rows.zero.samples",
-    "settle": "inner.rows.weak.settle",
-    "held": "inner.rows.weak.held",
-    "range": "inner.rows.basis.scale",
-    "pole": "inner.rows.weak.pole",
-    "inertia": "inner.rows.weak.inertia",
-    "damping": "inner.rows.weak.damping",
-    "forgetting": "inner.solver.forgetting",
-    "memory": "inner.evidence.memory",
-    "prior": "inner.solver.spread.0",
-    "lag": "inner.evidence.lag",
-    "block": "inner.sums.shortest",
-    "common": "inner.evidence.common",
-    "accuracy": "inner.evidence.accuracy",
-    "noise": "inner.evidence.noise.0",
-    "bias": "inner.evidence.bias",
-    "starved": "inner.readout.starved",
-    "informative": "inner.readout.informative",
-    "hold": "inner.readout.hold",
-    "shrink": "inner.readout.shrink",
-    "fade": "inner.sums.fade",
-    "fade_probe": "inner.sums.fade_single",
-}
-DERIVED = 8  # doubles that weak_series_prepare adds
+# What joint_prepare adds: to the whole, and to each transmission.
+DERIVED, DERIVED_EACH = 1, 7
 
-# What the hand-written version takes for granted.
-FIXED: dict[str, list[float]] = {
-    "inner.rows.basis.power": [1, 3, 5],
-    "inner.rows.weak.kind": [0, 0, 0, 6],
-    "inner.rows.weak.scale": [1.0] * 4,
-    "inner.rows.weak.delay": [0],
-    "inner.solver.variance": [1.0],
-    "inner.solver.centre": [0.0] * 4,
-    "inner.evidence.mute": [0] * 5,
-    "inner.evidence.known": [0.0] * 4,
-    "inner.evidence.given": [0.0] * 4,
-    "inner.evidence.noise.1": [0.0],
-    "inner.evidence.noise.2": [0.0],
-    "inner.evidence.noise.3": [0.0],
-}
+# The words of a transmission_config, as paths in a transmission's params.
+TRANSMISSION = (
+    "rows.zero.samples",
+    "rows.weak.settle",
+    "rows.weak.held",
+    "evidence.lag",
+    "rows.basis.scale",
+    "rows.weak.pole",
+    "rows.weak.inertia",
+    "rows.weak.damping",
+    "solver.forgetting",
+    "evidence.memory",
+    "solver.spread.0",
+    "evidence.common",
+    "evidence.accuracy",
+    "evidence.noise.1",
+    "evidence.bias",
+)
 
 
-def _value(record: Any, path: str) -> Any:
+def hand_version(case: Case, flags: tuple[str, ...], directory: Path) -> Native:
+    """Compile the hand-written version of a case with the constants of its params."""
+    record = case.params[0]
+    inner = record["inner"]
+    parts = [inner["first"], inner["second"]] if "first" in inner.dtype.names else [inner]
+    transmissions = []
+    for part in parts:
+        _check(part)
+        transmissions.append(_words(*(_value(part, path) for path in TRANSMISSION)))
+    config = _config(record, transmissions)
+    each = sum(len(words) + DERIVED_EACH for words in transmissions)
+    params = np.zeros(len(config) + DERIVED + each, np.int64)
+    native = Native(hand_code(case.name), flags, directory, params)
+    native.shared.joint_prepare(
+        ctypes.c_void_p(params.ctypes.data), ctypes.c_void_p(config.ctypes.data)
+    )
+    return native
+
+
+def _config(record: Any, transmissions: list[NDArray[np.int64]]) -> NDArray[np.int64]:
+    """Return the words of a joint_config."""
+    guard, inner, n = record["guard"], record["inner"], len(transmissions)
+    sums, verdict = inner["sums"], inner["readout"]
+    jumps = guard["jump"].tolist()
+    _expect("guard.jump", jumps, [jumps[0]] * (n + 1) + [0.0] * n)
+    _expect("guard.wrap", guard["wrap"][n + 1 :].tolist(), [0.0] * n)
+    _expect("guard.limit", guard["limit"][: n + 1].tolist(), [0.0] * (n + 1))
+    head = (guard["period"], guard["missing"], jumps[0])
+    return np.concatenate(
+        [
+            _words(*head, guard["wrap"][: n + 1], guard["limit"][n + 1 :]),
+            *transmissions,
+            _words(sums["shortest"], sums["fade"], sums["fade_single"]),
+            _words(*(verdict[name] for name in ("starved", "informative", "hold", "shrink"))),
+        ]
+    )
+
+
+def _check(part: Any) -> None:
+    """Stop if a transmission is not as the hand-written version takes for granted."""
+    p = len(part["solver"]["spread"])
+    noise = part["evidence"]["noise"]
+    fixed: dict[str, list[float]] = {
+        "rows.zero.zero": [0.0],
+        "rows.basis.power": list(range(1, 2 * p - 2, 2)),
+        "rows.weak.kind": [6] + [0] * (p - 1),
+        "rows.weak.delay": [0],
+        "solver.variance": [1.0],
+        "solver.centre": [0.0] * p,
+        "solver.spread": [float(part["solver"]["spread"][0])] * p,
+        "evidence.mute": [0] * 5,
+        "evidence.known": [0.0] * p,
+        "evidence.given": [0.0] * p,
+        "evidence.noise": [0.0, float(noise[1])] + [0.0] * (p - 2),
+        "shrink.first": [2],
+    }
+    for path, expected in fixed.items():
+        _expect(path, _value(part, path).reshape(-1).tolist(), expected)
+    _expect("rows.weak.scale", [float(part["rows"]["weak"]["scale"][0])], [1.0])
+
+
+def _expect(path: str, found: list[float], expected: list[float]) -> None:
+    if found != expected:
+        raise AssertionError(f"C by hand takes for granted that {path} is {expected}, not {found}")
+
+
+def _value(record: Any, path: str) -> NDArray[Any]:
     for key in path.split("."):
         record = record[int(key)] if key.isdigit() else record[key]
     return np.asarray(record)
 
 
-def hand_version(code: Code, flags: tuple[str, ...], directory: Any, params: Records) -> Native:
-    """Compile the hand-written version with the constants of a ``(1,)`` params record."""
-    record = params[0]
-    for path, expected in FIXED.items():
-        if _value(record, path).reshape(-1).tolist() != expected:
-            raise AssertionError(f"{code.source.name} takes for granted that {path} is {expected}")
-    values = {name: _value(record, path) for name, path in FIELDS.items()}
-    kinds = [(name, v.dtype.kind + "8", v.shape) for name, v in values.items()]
-    config = np.zeros(1, np.dtype(kinds, align=True))
-    for name, value in values.items():
-        config[name][0] = value
-    native = Native(code, flags, directory, np.zeros(config.nbytes + 8 * DERIVED, np.uint8))
-    native.shared.weak_series_prepare(
-        ctypes.c_void_p(native.params.ctypes.data), ctypes.c_void_p(config.ctypes.data)
-    )
-    return native
+def _words(*values: Any) -> NDArray[np.int64]:
+    """Return numbers of 8 bytes as they lie in memory."""
+    return np.concatenate([np.atleast_1d(value).reshape(-1).view(np.int64) for value in values])

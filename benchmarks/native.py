@@ -33,13 +33,11 @@ class Code(NamedTuple):
     names: dict[str, str]
 
 
-def hand_code() -> Code:
-    """Return the version written by hand."""
-    name = "weak_series"
+def hand_code(name: str) -> Code:
+    """Return a version written by hand: ``weak_series`` or ``weak_pair``."""
     types = {"PARAMS": "params", "STATE": "state", "INPUT": "input", "OUTPUT": "reading"}
-    names = {key: f"{name}_{word}" for key, word in types.items()}
-    names |= {"INIT": f"{name}_init", "STEP": f"{name}_step"}
-    return Code(HAND / f"{name}.c", names)
+    names = {key: f"joint_{word}" for key, word in types.items()}
+    return Code(HAND / f"{name}.c", names | {"INIT": "joint_init", "STEP": "joint_step"})
 
 
 def exported_code(stage: Stage, directory: Path) -> Code:

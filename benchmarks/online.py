@@ -1,8 +1,9 @@
-"""``Bank.update``, the call of a control loop: seven joints, one sample."""
+"""``Bank.update``, the call of a control loop: seven series joints or one of two transmissions."""
 
 from __future__ import annotations
 
 import time
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from benchmarks import scenario
 from benchmarks.python_stack import Pipeline
+from benchmarks.scenario import Case
 from benchmarks.table import Figure
 from benchmarks.timing import Runner, interleaved, ratio, say, worst_case
 from rotatum.record import Records
@@ -22,46 +24,72 @@ STACK_SAMPLES = 50
 
 def figures(repetitions: int) -> list[Figure]:
     """Measure updates against an empty compiled call and against padasip with filterpy."""
-    case = scenario.case()
-    params = np.repeat(case.params, JOINTS)
-    bank, empty = Bank(case.stage, params), Bank(_empty(case.stage), params)
-    # Rows as a loop has them: taking them out of an array is not what is timed.
-    u = list(np.repeat(case.inputs[:SAMPLES], JOINTS, axis=1))
-    out = case.stage.output.zeros(JOINTS)
-    say("timing Bank.update ...")
-    runners = {
-        "bank": Runner(bank.reset, lambda: _updates(bank, u, out)),
-        "empty": Runner(empty.reset, lambda: _updates(empty, u, out)),
-    }
+    case = scenario.series()
+    seven = Loop(case, JOINTS)
     stack = Pipeline(case.params[0])
     rows: list[tuple[float, float, float]] = case.inputs[:STACK_SAMPLES, 0][
         ["q", "theta", "tau"]
     ].tolist()
-    runners["stack"] = Runner(stack.reset, lambda: _stack(stack, rows))
+    say("timing Bank.update ...")
+    runners = seven.runners() | {"stack": Runner(stack.reset, lambda: _stack(stack, rows))}
     seconds = interleaved(runners, repetitions)
-    each = {name: 1e9 * float(np.median(times)) for name, times in seconds.items()}
-    update, nothing = each["bank"] / len(u), each["empty"] / len(u)
-    rival = each["stack"] / STACK_SAMPLES
-    faster = rival / (update / JOINTS)
-    worst = worst_case(lambda: _timed(bank, u, out), 20)
+    update = 1e9 * float(np.median(seconds["bank"])) / SAMPLES
+    rival = 1e9 * float(np.median(seconds["stack"])) / STACK_SAMPLES
+    faster = Figure(
+        "padasip + filterpy / Bank.update, a joint-sample",
+        rival / (update / JOINTS),
+        "x",
+        30.0,
+        at_least=True,
+        note=f"{rival / 1e3:.1f} us / {update / JOINTS:.0f} ns",
+    )
+    pair = Loop(scenario.pair(), 1)
     return [
-        Figure(
-            "Bank.update, 7 joints / empty compiled call",
-            ratio(seconds, "bank", "empty"),
-            "x",
-            3.0,
-            note=f"{update:.0f} / {nothing:.0f} ns",
-        ),
-        Figure(
-            "padasip + filterpy / Bank.update, a joint-sample",
-            faster,
-            "x",
-            30.0,
-            at_least=True,
-            note=f"{rival / 1e3:.1f} us / {update / JOINTS:.0f} ns",
-        ),
-        Figure("worst Bank.update, 7 joints", worst.worst, "ns", note=str(worst)),
+        _figure("7 joints", seconds, 3.0),
+        faster,
+        seven.worst("7 joints"),
+        _figure("a pair", interleaved(pair.runners(), 10 * repetitions), 6.0),
+        pair.worst("a pair"),
     ]
+
+
+def _figure(what: str, seconds: dict[str, list[float]], target: float) -> Figure:
+    median, best = (
+        {name: 1e9 * float(choose(seconds[name])) / SAMPLES for name in ("bank", "empty")}
+        for choose in (np.median, np.min)
+    )
+    note = f"{median['bank']:.0f} / {median['empty']:.0f} ns; at their best "
+    note += f"{best['bank']:.0f} / {best['empty']:.0f} ns = {best['bank'] / best['empty']:.2f} x"
+    what = f"Bank.update, {what} / empty compiled call"
+    return Figure(what, ratio(seconds, "bank", "empty"), "x", target, note=note)
+
+
+class Loop:
+    """A control loop's bank and an empty one beside it.
+
+    Args:
+        case: what runs.
+        joints: how many of it.
+    """
+
+    def __init__(self, case: Case, joints: int) -> None:
+        params = np.repeat(case.params, joints)
+        self.bank, self.empty = Bank(case.stage, params), Bank(_empty(case.stage), params)
+        # Rows as a loop has them: taking them out of an array is not what is timed.
+        self.u = list(np.repeat(case.inputs[:SAMPLES], joints, axis=1))
+        self.out = case.stage.output.zeros(joints)
+
+    def runners(self) -> dict[str, Runner]:
+        """Return what is timed: ``bank`` and ``empty``."""
+        return {
+            name: Runner(bank.reset, partial(_updates, bank, self.u, self.out))
+            for name, bank in (("bank", self.bank), ("empty", self.empty))
+        }
+
+    def worst(self, what: str) -> Figure:
+        """Return the figure of the slowest update."""
+        worst = worst_case(lambda: _timed(self.bank, self.u, self.out), 20)
+        return Figure(f"worst Bank.update, {what}", worst.worst, "ns", note=str(worst))
 
 
 def _nothing_init(params: Any, state: Any) -> None:

@@ -1,4 +1,4 @@
-"""The case all benchmarks share: a series joint with a hardening spring under a multisine."""
+"""The cases of the benchmarks: a series joint with a hardening spring, and an antagonistic one."""
 
 from __future__ import annotations
 
@@ -8,20 +8,22 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from rotatum.estimators.series import Shape, series_stage
 
 from rotatum.estimators.settings import Request, settle
+from rotatum.estimators.shapes import Shape, joint_stage, roles
 from rotatum.estimators.tuning import prepare
 from rotatum.logs import Log
-from rotatum.models import Device
+from rotatum.models import Device, load_device
 from rotatum.models.device import device_from_tables
 from rotatum.record import Records
 from rotatum.runtime import Stage
-from rotatum.simulation import Sensors, multisine, simulate_joint
+from rotatum.simulation import Sensors, multisine, simulate_joint, sine
 
 SECONDS = 20.0
 PERIOD = 4e-4
-SHAPE = Shape("weak", "estimated", 3, 4, 5)
+PAIR_PERIOD = 1e-3
+SHAPE = Shape("weak", "estimated", 3, 4, 5, shrunk=True)
+PAIR_SHAPE = Shape("weak", "estimated", 4, 5, 7, actuation="antagonistic", shrunk=True)
 
 JOINT = """\
 actuation = "series"
@@ -53,11 +55,13 @@ class Case(NamedTuple):
     """Everything a runner of one joint needs.
 
     Args:
+        name: of the C written by hand.
         stage: the estimator.
         params: ``(1,)`` records.
         inputs: ``(N, 1)`` records.
     """
 
+    name: str
     stage: Stage
     params: Records
     inputs: Records
@@ -92,24 +96,45 @@ def log() -> Log:
 
 
 def channels() -> dict[str, NDArray[np.float64]]:
-    """Return the log's time and the three channels the estimator reads, each ``(N,)``."""
+    """Return the series log's time and the three channels the estimator reads, each ``(N,)``."""
     data = log()
-    roles = data.joints["arm"]
-    return {"time": data.time} | {role: roles[role] for role in ("q", "theta", "tau")}
+    return {"time": data.time} | {role: data.joints["arm"][role] for role in ("q", "theta", "tau")}
 
 
 @lru_cache(maxsize=1)
-def case() -> Case:
-    """Tune the stage of ``SHAPE`` to the device and fill its input with the log."""
-    robot = device()
+def series() -> Case:
+    """Return the series joint, under a multisine."""
+    return _case("weak_series", device(), log(), SHAPE)
+
+
+@lru_cache(maxsize=1)
+def pair() -> Case:
+    """Return the antagonistic joint of flacco2012 section 6: 20 s at 1 kHz."""
+    robot = load_device("vsa-ii")
+    data = simulate_joint(
+        robot.joints[0],
+        seconds=SECONDS,
+        period=PAIR_PERIOD,
+        drives={"tau1": sine(0.05, 0.05), "tau2": sine(0.05, 1.0)},
+        sensors=Sensors(noise={"tau1": 2e-3, "tau2": 2e-3}),
+        seed=1,
+    )
+    return _case("weak_pair", robot, data, PAIR_SHAPE)
+
+
+def _case(name: str, robot: Device, data: Log, shape: Shape) -> Case:
+    """Tune the stage of ``shape`` to the device and fill its input with the log."""
     joint = robot.joints[0]
-    settings = settle(joint, robot, PERIOD, Request())
-    prepared = prepare(joint, settings, period=PERIOD, holds={"tau": "held"})
-    if prepared.shape != SHAPE or prepared.stage != series_stage(SHAPE):
-        raise AssertionError(f"the benchmark's device asks for {prepared.shape}, not {SHAPE}")
-    columns = channels()
-    inputs = prepared.stage.input.zeros(len(columns["time"]), 1)
-    for name, values in columns.items():
-        inputs[name][:, 0] = values
+    wanted = roles(joint.actuation, "estimated")
+    period = float(data.time[1] - data.time[0])
+    settings = settle(joint, robot, period, Request())
+    holds = {role: "held" for role in wanted if role.startswith("tau")}
+    prepared = prepare(joint, settings, period=period, holds=holds)
+    if prepared.shape != shape or prepared.stage != joint_stage(shape):
+        raise AssertionError(f"the benchmark's device asks for {prepared.shape}, not {shape}")
+    inputs = prepared.stage.input.zeros(len(data.time), 1)
+    inputs["time"][:, 0] = data.time
+    for role in wanted:
+        inputs[role][:, 0] = data.joints[joint.name][role]
     inputs["enable"] = 1
-    return Case(prepared.stage, prepared.params, inputs)
+    return Case(name, prepared.stage, prepared.params, inputs)

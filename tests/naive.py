@@ -160,6 +160,30 @@ def ridge(
     return np.linalg.solve(information, right), np.linalg.inv(information)
 
 
+def nested(
+    R: Array, y: Array, *, spread: Array, centre: Array, variance: float = 1.0
+) -> tuple[Array, Array]:
+    """Batch solutions of the models of columns 0..m, each on its own, for every m.
+
+    Row m of ``(p, p)`` holds the coefficients of model m, 0 where it has no column; matrix m of
+    ``(p, p, p)`` its covariance in the same way.
+    """
+    p = R.shape[1]
+    alpha, P = np.zeros((p, p)), np.zeros((p, p, p))
+    for m in range(p):
+        own = slice(0, m + 1)
+        alpha[m, own], P[m, own, own] = ridge(
+            R[:, own], y, spread=spread[own], centre=centre[own], variance=variance
+        )
+    return alpha, P
+
+
+def weighted(weight: Array, models: Array) -> Array:
+    """``sum_m w_m (A_m - A_(m-1))``: each model's step beyond the one before, believed by w."""
+    steps = np.diff(models, axis=0, prepend=np.zeros_like(models[:1]))
+    return np.asarray(np.tensordot(weight, steps, axes=1))
+
+
 def forgetful_information(
     R: Array, y: Array, *, spread: Array, centre: Array, variance: float, forgetting: float
 ) -> tuple[Array, Array]:

@@ -21,16 +21,15 @@ def run(terms, *, v, shortest=4, fade=None, cuts=()):
     params.fade = params.fade_single = [1.0] * LEVELS
     if fade is not None:
         params.fade, params.fade_single = fade
-    state = plain(record(blocks.BlockState, {"L": LEVELS, "t": t, "s": s}))
+    state = plain(record(blocks.BlockState, {"L": LEVELS, "t": t, "v": v, "s": s}))
     state.square, state.carry = np.zeros((LEVELS, s)), np.zeros((LEVELS, t))
     for k in range(n):
         if k in cuts:
             blocks.clear(state)
         for i in range(t):
             state.part[i] += float(terms[k, i])
-        state.filled += 1
-        if state.filled == params.shortest:
-            blocks.close(params, state, v)
+        if blocks.count(params, state):
+            blocks.close(params, state)
     return params, state
 
 
@@ -74,7 +73,25 @@ def test_variance_along_a_direction_is_that_of_the_matrix():
     direction = [1.0, -2.0, 0.5, 3.0]
     for k in range(4):
         expected = direction @ triangle(state.square[k], 4) @ direction
-        assert blocks.variance_along(state, k, 4, direction) == pytest.approx(expected, rel=1e-12)
+        assert blocks.variance_along(state, k, 0, direction) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("at", [0, 1, 2, 3])
+def test_a_direction_may_begin_anywhere(at):
+    # Two transmissions share a vector: the first one's scores at 0, the second one's behind them.
+    terms = np.random.default_rng(45).standard_normal((400, 6))
+    _, state = run(terms, v=5)
+    direction = [1.5, -0.5]
+    for k in range(4):
+        part = triangle(state.square[k], 5)[at : at + 2, at : at + 2]
+        expected = np.array(direction) @ part @ direction
+        assert blocks.variance_along(state, k, at, direction) == pytest.approx(expected, rel=1e-12)
+    largest = max(
+        blocks.variance_along(state, k, at, direction) * blocks.correction(state.blocks[k])
+        for k in range(LEVELS)
+        if state.blocks[k] >= blocks.ENOUGH
+    )
+    assert blocks.worst(state, at, direction) == largest
 
 
 @pytest.mark.parametrize("a", [0.0, 0.5, 0.9])
@@ -83,7 +100,7 @@ def test_long_run_variance_of_coloured_noise(a):
     n = 16_384
     x = naive.autoregressive(np.random.default_rng(43), n, a)[:, None]
     _, state = run(x, v=1)
-    found = blocks.worst(state, 1, [1.0]) / n
+    found = blocks.worst(state, 0, [1.0]) / n
     true = 1.0 / (1.0 - a) ** 2
     short = float((x * x).mean())
     # The largest of several chi-square means: the longest trusted level, 1024 terms, has 16
@@ -98,11 +115,11 @@ def test_too_few_blocks_are_not_believed():
     x = np.ones((27, 2))
     _, state = run(x, v=1)
     assert state.blocks[0] == 6  # below ENOUGH
-    assert blocks.worst(state, 1, [1.0]) == 0.0
-    assert blocks.worst_term(state, 1, 1) == 0.0
+    assert blocks.worst(state, 0, [1.0]) == 0.0
+    assert blocks.worst_term(state, 1) == 0.0
     _, state = run(np.ones((32, 2)), v=1)
-    assert blocks.worst(state, 1, [1.0]) == pytest.approx(8 * 16.0 * blocks.correction(8.0))
-    assert blocks.worst_term(state, 1, 1) == 8 * 16.0
+    assert blocks.worst(state, 0, [1.0]) == pytest.approx(8 * 16.0 * blocks.correction(8.0))
+    assert blocks.worst_term(state, 1) == 8 * 16.0
 
 
 @pytest.mark.parametrize("v", [1, 2, 3])
@@ -111,7 +128,7 @@ def test_single_terms_are_found_behind_the_triangle(v):
     _, state = run(terms, v=v)
     for i in (v, v + 1):
         expected, _ = naive.block_squares(terms[:, i : i + 1], 4, 1.0)
-        assert blocks.worst_term(state, v, i) == pytest.approx(expected[0, 0], rel=1e-12)
+        assert blocks.worst_term(state, i) == pytest.approx(expected[0, 0], rel=1e-12)
 
 
 @pytest.mark.parametrize("n", [8, 12, 30, 100, 1000])

@@ -13,13 +13,13 @@ from rotatum.kernels.evidence import DUE, MEAN, PROBES, PULL, SCALE, SHIFT
 from tests import naive
 from tests.kernels.rowbank import SHORTEST, RowBank
 
-TRUTH = np.array([40.0, 3.0])
+TRUTH = np.array([3.0, 40.0])  # the spring's column is the last
 
 
 def rows(seed, n, joints=1, *, slow=0.0):
-    """Regressors of order 1; with ``slow``, as slow as an AR(1) of that pole."""
+    """Regressors of order 1, the spring's drawn first; with ``slow``, an AR(1) of that pole."""
     rng = np.random.default_rng(seed)
-    R = rng.standard_normal((n, joints, 2))
+    R = np.ascontiguousarray(rng.standard_normal((n, joints, 2))[..., ::-1])
     if slow:
         R = signal.lfilter([math.sqrt(1.0 - slow**2)], [1.0, -slow], R, axis=0)
     return rng, R
@@ -58,7 +58,7 @@ def test_std_is_the_sandwich_of_block_sums(a):
     rng, R = rows(61, n, slow=a)
     y = R @ TRUTH + coloured(rng, (n, 1), a)
     out = RowBank().run(R, y)[:, 0]
-    D = np.array([1.0, 0.0])
+    D = np.array([0.0, 1.0])
     R, y, alpha = R[:, 0], y[:, 0], out["coefficients"]
     e = y - (R * alpha).sum(axis=1)
     scores = e[:, None] * R
@@ -83,7 +83,7 @@ def test_intervals_cover_the_truth(a, least):
     rng, R = rows(62, n, joints, slow=a)
     y = R @ TRUTH + coloured(rng, (n, joints), a)
     out = RowBank(joints).run(R, y)[-1]
-    off = np.abs(out["stiffness"] - TRUTH[0])
+    off = np.abs(out["stiffness"] - TRUTH[-1])
     covered = (off < 1.96 * out["stiffness_std"]).mean()
     # 300 joints: a coverage of 95 % is known to 1.3 %. The design states 88-93 % for colour.
     assert covered > least
@@ -94,7 +94,7 @@ def test_intervals_cover_the_truth(a, least):
     else:
         assert (off < plain).mean() < 0.7  # what a naive interval would have covered
     # The coefficients' own deviations are the same thing, renewed in turns.
-    other = np.abs(out["coefficients"][:, 1] - TRUTH[1]) < 1.96 * out["coefficients_std"][:, 1]
+    other = np.abs(out["coefficients"][:, 0] - TRUTH[0]) < 1.96 * out["coefficients_std"][:, 0]
     assert other.mean() > least
 
 
@@ -102,9 +102,9 @@ def test_informative_deflection_is_what_no_other_column_explains():
     rng = np.random.default_rng(63)
     n = 2048
     phi = 0.02 * (3.0 + np.sin(0.01 * np.arange(n)) + 0.1 * rng.standard_normal(n))
-    R = np.stack([phi / 0.05, np.ones(n)], axis=1)[:, None, :]
+    R = np.stack([np.ones(n), phi / 0.05], axis=1)[:, None, :]
     y = R @ TRUTH + 0.01 * rng.standard_normal((n, 1))
-    out = RowBank().run(R, y, D=(20.0, 0.0))
+    out = RowBank().run(R, y, D=(0.0, 20.0))
     # The mean of the deflection is the offset's: what is left is its standard deviation.
     assert out["informative_deflection"][-1, 0] == pytest.approx(phi.std(), rel=1e-6)
 
@@ -122,19 +122,19 @@ def test_encoder_errors_widen_the_interval():
 
 
 def test_noise_in_a_column_is_bounded_by_what_it_does():
-    # Regressor noise of variance v attenuates the first coefficient by v / (1 + v).
+    # Regressor noise of variance v attenuates the spring's coefficient by v / (1 + v).
     v, n, joints = 0.02, 4096, 40
     rng, R = rows(68, n, joints)
     y = R @ TRUTH + 0.01 * rng.standard_normal((n, joints))
-    R[:, :, 0] += math.sqrt(v) * rng.standard_normal((n, joints))
+    R[:, :, 1] += math.sqrt(v) * rng.standard_normal((n, joints))
     blind = RowBank(joints).run(R, y)[-1]
-    told = RowBank(joints, noise=[v, 0.0]).run(R, y)[-1]
-    off = TRUTH[0] - told["stiffness"]
-    assert off.mean() == pytest.approx(TRUTH[0] * v / (1.0 + v), rel=0.05)
+    told = RowBank(joints, noise=[0.0, v]).run(R, y)[-1]
+    off = TRUTH[-1] - told["stiffness"]
+    assert off.mean() == pytest.approx(TRUTH[-1] * v / (1.0 + v), rel=0.05)
     assert (off > 3.0 * blind["stiffness_std"]).mean() > 0.9  # it is a bias, not noise
     assert (off < 1.96 * told["stiffness_std"]).all()
     # The bound is the bias to first order: not wider than twice it.
-    assert (told["stiffness_std"] < 2.0 * TRUTH[0] * v).all()
+    assert (told["stiffness_std"] < 2.0 * TRUTH[-1] * v).all()
 
 
 def test_probes_are_sums_over_rows_that_are_adjacent():
@@ -149,7 +149,7 @@ def test_probes_are_sums_over_rows_that_are_adjacent():
     rest = bank.run(R[start:], y[start:], suspect=pull[start:], fresh=(cut - start,))
     alpha = np.concatenate([first, rest])["coefficients"][:, 0]
     e = y[:, 0] - (R[:, 0] * alpha).sum(axis=1)
-    f = R[:, 0, 0] * alpha[:, 0]
+    f = R[:, 0, 1] * alpha[:, 1]
     probe, probe2 = np.zeros(PROBES), np.zeros(PROBES)
     for k in (*range(start, cut), *range(cut + 1 + 2 * lag, end)):
         shift = f[k] - f[k - 2 * lag]
@@ -170,7 +170,7 @@ def test_the_first_wild_coefficients_do_not_outweigh_later_ones():
     y = R @ TRUTH + 0.5 * rng.standard_normal((4000, 1))
     bank = RowBank(lag=3)
     bank.run(R, y)
-    f = R[:, 0, 0] * TRUTH[0]
+    f = R[:, 0, 1] * TRUTH[-1]
     state = bank.bank.state["evidence"][0]
     # Sums over 3000 rows or more, correlated over a hundred for the torque itself: 25 %.
     shift = f[6:] - f[:-6]

@@ -183,6 +183,9 @@ def test_a_joint_that_does_not_move_is_starved_and_never_wrong(motion):
 # --- rows that are given: what an offset column would hide ---------------------------------------
 
 
+SLOPE = (1.0, 0.0)  # of x and x^3 at rest
+
+
 def given(seed, n, joints):
     rng = np.random.default_rng(seed)
     t = np.arange(n) * T
@@ -194,10 +197,10 @@ def given(seed, n, joints):
 
 def test_a_wrong_zero_is_an_offset():
     R, y = given(72, 12_000, 40)
-    right = RowBank(40, terms=2, memory=0.9984).run(R, y)
+    right = RowBank(40, terms=2, memory=0.9984).run(R, y, D=SLOPE)
     assert not (right["status"] & WRONG).any()
     # 0.4 of the torque's rms: 16 % of its power.
-    wrong = RowBank(40, terms=2, memory=0.9984).run(R, y + 0.4 * y.std(axis=0))
+    wrong = RowBank(40, terms=2, memory=0.9984).run(R, y + 0.4 * y.std(axis=0), D=SLOPE)
     last = wrong[-1]
     flagged = last["status"] & OFFSET != 0
     # Said, but for intervals that the offset itself has made as wide.
@@ -215,7 +218,7 @@ def test_a_probe_that_no_longer_finds_anything_falls_silent():
     params["solver"]["forgetting"] = 0.999
     lengths = 16 * 2.0 ** np.arange(20)
     params["sums"]["fade"] = params["sums"]["fade_single"] = 0.999 ** (2.0 * lengths)
-    out = bank.run(R, y)
+    out = bank.run(R, y, D=SLOPE)
     assert (out["status"][:6000] & OFFSET != 0).any(axis=0).mean() > 0.7
     assert not (out["status"][-1] & WRONG).any()
     assert (out["verdict"][-1] == INFORMATIVE).all()

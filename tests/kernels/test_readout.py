@@ -44,17 +44,12 @@ class Judge:
         """Verdict and status for half an interval of ``relative`` times the stiffness."""
         out = SimpleNamespace(stiffness=stiffness, stiffness_std=relative * abs(stiffness) / 1.96)
         self.time += T
-        readout.decide(
-            self.params,
-            self.state,
-            self.evidence,
-            self.settings,
-            self.row,
-            spread,
-            self.time,
-            counted,
-            out,
-        )
+        found = self.evidence
+        status = readout.status_of(self.params, found, self.settings, self.row, spread, out)
+        wrong = found.wrong
+        if status & PRIOR == 0:
+            wrong = wrong | evidence.negative(out.stiffness, out.stiffness_std)
+        readout.decide(self.params, self.state, status, wrong, self.time, counted, out)
         self.out = out
         return out.verdict, out.status
 
@@ -225,7 +220,8 @@ def test_before_it_is_judged_a_deviation_is_that_of_the_residuals_so_far(rows, v
         **{STDS: [0.0]},
     )
     out = SimpleNamespace(stiffness=50.0, torque=4.0, coefficients_std=[0.0])
-    readout.deviations(state, 1e8, 4.0, out)
+    memory = SimpleNamespace()
+    readout.deviations(memory, state, 1e8, 0.0, 4.0, 0.0, out)
     assert out.stiffness_std == pytest.approx(math.sqrt(variance * 1e8))
     assert out.torque_std == pytest.approx(math.sqrt(variance * 4.0))
 
@@ -242,11 +238,14 @@ def test_deviations_are_those_of_the_read_out():
         **{STDS: [0.3]},
     )
     out = SimpleNamespace(stiffness=50.0, torque=4.0, coefficients_std=[0.0])
-    readout.deviations(state, 8.0, 0.5, out)
+    memory = SimpleNamespace()
+    readout.deviations(memory, state, 8.0, 1.5, 0.5, 0.7, out)
     relative = 0.2**2
-    variance = 2 * 0.25 * 8.0 + 50.0**2 * relative + 3.0**2
-    assert out.stiffness_std == pytest.approx(math.sqrt(variance))
-    assert out.torque_std == pytest.approx(math.sqrt(2 * 0.25 * 0.5 + 4.0**2 * relative))
+    noise, wrong = 2 * 0.25 * 8.0, 50.0**2 * relative + 3.0**2 + 1.5
+    assert out.stiffness_std == pytest.approx(math.sqrt(noise + wrong))
+    # Both parts are kept: with another transmission beside it, only the noise has a correlation.
+    assert (memory.noise2, memory.wrong2) == pytest.approx((noise, wrong))
+    assert out.torque_std == pytest.approx(math.sqrt(2 * 0.25 * 0.5 + 4.0**2 * relative + 0.7))
     assert out.noise == 0.5
     assert np.array_equal(out.coefficients_std, [0.3])
 

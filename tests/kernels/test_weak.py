@@ -18,7 +18,7 @@ B, D = 0.02, 0.3
 
 
 def problem(powers, kinds=(), *, cutoff, scale=0.01, period=T, **settings):
-    """Params, state, input and output of a motor-side row."""
+    """Params and state of a row: fitted columns ``kinds``, then powers of the deflection."""
     b, p, m = len(powers), len(powers) + len(kinds), max(powers) + 1
     terms = basis.BasisState.layout(b=b, m=m)
     params = {
@@ -39,7 +39,7 @@ def problem(powers, kinds=(), *, cutoff, scale=0.01, period=T, **settings):
     P, S = one
     P["basis"]["scale"], P["basis"]["half"], P["basis"]["power"] = scale, 1.0, powers
     P["weak"]["period"], P["weak"]["pole"] = period, math.exp(-cutoff * period)
-    P["weak"]["kind"] = [0] * b + list(kinds)
+    P["weak"]["kind"] = list(kinds) + [0] * b
     P["weak"]["scale"] = 1.0
     P["weak"]["settle"] = 2
     for name, value in settings.items():
@@ -47,19 +47,17 @@ def problem(powers, kinds=(), *, cutoff, scale=0.01, period=T, **settings):
     return P, S
 
 
-def run(P, S, q, theta, tau, *, sensor=False, fresh=(0,), enable=1):
+def run(P, S, q, theta, tau, *, setpoint=None, sensor=False, fresh=(0,), enable=1):
     """All rows: y, R and validity per sample."""
-    kind = rows.SensorSample if sensor else rows.MotorSample
-    layout = kind.layout()
-    sample = plain(Layout("in", "in", {**layout.fields, "fresh": Field("int")}).zeros(1)[0])
+    sample = plain(rows.Sample.layout().zeros(1)[0])
     out = rows.Row.layout(p=len(S["weak"]["R2"])).zeros(len(q))
     P, S, row = plain(P), plain(S), plain(out[0])
     (weak.sensor_init if sensor else weak.motor_init)(P, S)
     step = weak.sensor_step if sensor else weak.motor_step
     for k in range(len(q)):
         sample.q, sample.theta, sample.enable = float(q[k]), float(theta[k]), enable
-        setattr(sample, "torque" if sensor else "tau", float(tau[k]))
-        sample.fresh = int(k in fresh)
+        sample.torque, sample.fresh = float(tau[k]), int(k in fresh)
+        sample.setpoint = 0.0 if setpoint is None else float(setpoint[k])
         step(P, S, sample, row)
         copy_out(row, out[k])
     return out
@@ -198,7 +196,7 @@ def test_known_and_fitted_constants_are_the_same_balance():
     kinds = [rows.INERTIA, rows.DAMPING, rows.OFFSET]
     P, S = problem([1], kinds, cutoff=300.0, inertia=0.5 * B, damping=0.25 * D)
     out = run(P, S, q, theta, tau - 1.25)
-    fit = out["R"] @ [k1 * 0.01, 0.5 * B, 0.75 * D, 1.25]
+    fit = out["R"] @ [0.5 * B, 0.75 * D, 1.25, k1 * 0.01]
     np.testing.assert_allclose(out["y"][2:], fit[2:], rtol=0.0, atol=bound + 1e-12)
 
 
@@ -207,11 +205,11 @@ def test_skew_and_transmission_damping_columns_are_velocities():
     q, theta = 3.0 * t, 1.0 * t  # ramps: every operator is exact
     kinds = [rows.SKEW, rows.TRANSMISSION_DAMPING]
     P, S = problem([1], kinds, cutoff=300.0, inertia=B)
-    P["weak"]["scale"] = [1.0, 2.0, 4.0]
+    P["weak"]["scale"] = [2.0, 4.0, 1.0]
     out = run(P, S, q, theta, np.zeros(100))
     # Rounding of 0.3 rad over 2 T.
-    np.testing.assert_allclose(out["R"][2:, 1], 3.0 / 2.0, rtol=1e-12)
-    np.testing.assert_allclose(out["R"][2:, 2], 2.0 / 4.0, rtol=1e-12)
+    np.testing.assert_allclose(out["R"][2:, 0], 3.0 / 2.0, rtol=1e-12)
+    np.testing.assert_allclose(out["R"][2:, 1], 2.0 / 4.0, rtol=1e-12)
 
 
 @pytest.mark.parametrize("held", [0, 1])
@@ -257,7 +255,7 @@ def test_friction_has_its_sign_from_both_sides_and_the_row_waits_for_it(delay):
     for kinds, known in (([], C), ([rows.COULOMB], 0.0)):
         P, S = problem([1], kinds, cutoff=300.0, inertia=B, coulomb=known, width=width, delay=delay)
         out = run(P, S, q, theta, rubbed)
-        fit = out["R"] @ [k1 * 0.01, C][: 1 + len(kinds)]
+        fit = out["R"] @ [C, k1 * 0.01][1 - len(kinds) :]
         # The first hat is complete two samples after the first sign; both sides of friction go
         # through the same hat, so the bound is that of the balance without it.
         start = 2 * delay + 2
@@ -316,7 +314,7 @@ def test_a_restart_begins_the_zero_anew_while_it_is_read_and_not_afterwards():
 def test_the_basis_now_is_zero_for_what_is_no_spring():
     P, S = problem([1, 3], [rows.OFFSET], cutoff=300.0, inertia=B, scale=0.5)
     out = run(P, S, np.full(5, 0.25), np.zeros(5), np.zeros(5))
-    assert out["F"][-1].tolist() == [0.5, 0.125, 0.0]
-    assert out["D"][-1].tolist() == [2.0, 3.0 * 0.25 * 2.0, 0.0]
-    assert out["H"][-1].tolist() == [0.0, 6.0 * 0.5 * 4.0, 0.0]
-    assert out["R"][-1].tolist() == [0.5, 0.125, 1.0]
+    assert out["F"][-1].tolist() == [0.0, 0.5, 0.125]
+    assert out["D"][-1].tolist() == [0.0, 2.0, 3.0 * 0.25 * 2.0]
+    assert out["H"][-1].tolist() == [0.0, 0.0, 6.0 * 0.5 * 4.0]
+    assert out["R"][-1].tolist() == [1.0, 0.5, 0.125]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from rotatum.errors import LogError
 from rotatum.logs import Log, read_log, write_table
-from rotatum.models import device_from_tables
+from rotatum.models import ROLES, device_from_tables
 
 Table = dict[str, NDArray[Any]]
 
@@ -38,6 +38,56 @@ def test_factor_offset_sign_unit_side_in_this_order(tmp_path: Path, table: Table
     np.testing.assert_allclose(joint["theta"], expected, rtol=1e-14)
     expected = -(0.1 * table["j.tau"] + 3.0) * 1e-3 * -50.0
     np.testing.assert_allclose(joint["tau"], expected, rtol=1e-13, atol=1e-15)
+
+
+def test_both_sides_of_an_antagonistic_joint_have_a_gear_of_their_own(
+    tmp_path: Path, table: Table
+) -> None:
+    sides = {
+        role: {"name": "j.tau", "side": "motor"}
+        for role in ("theta1", "theta2", "tau1", "tau2", "torque_measured1", "torque_measured2")
+    }
+    log = _read(
+        tmp_path,
+        table,
+        actuation="antagonistic",
+        motor=[{"gear_ratio": 50.0}, {"gear_ratio": -80.0}],
+        channels={"q": "j.q", **sides},
+    )
+    joint = log.joints["rig"]
+    for end, ratio in (("1", 50.0), ("2", -80.0)):
+        # One rounding each.
+        np.testing.assert_allclose(joint[f"theta{end}"], table["j.tau"] / ratio, rtol=1e-15)
+        for role in ("tau", "torque_measured"):
+            np.testing.assert_allclose(joint[f"{role}{end}"], table["j.tau"] * ratio, rtol=1e-15)
+
+
+def test_a_setpoint_has_the_gear_of_its_motor(tmp_path: Path, table: Table) -> None:
+    lever = {"law": "lever", "r0": 0.1, "b": 4e-4, "motor": {"gear_ratio": 23.0}}
+    channel = {"name": "j.tau", "side": "motor", "unit": "deg"}
+    log = _read(
+        tmp_path,
+        table,
+        actuation="serial",
+        setpoint=lever,
+        channels={"q": "j.q", "setpoint": channel},
+    )
+    expected = np.deg2rad(table["j.tau"]) / 23.0
+    np.testing.assert_allclose(log.joints["rig"]["setpoint"], expected, rtol=1e-14)  # roundings
+
+
+def test_canonical_columns_of_a_pair(tmp_path: Path, table: Table) -> None:
+    for role in ROLES["antagonistic"]:
+        table[f"j.{role}"] = table["j.q"]
+    log = _read(tmp_path, table, actuation="antagonistic")
+    assert set(log.joints["j"]) == set(ROLES["antagonistic"])  # j.theta and j.tau are no roles
+
+
+def test_every_role_is_in_the_reference(project: Path) -> None:
+    text = (project / "docs" / "reference" / "log-files.md").read_text("utf-8")
+    told = text[text.index("## Roles") : text.index("## Canonical")]
+    missing = {role for roles in ROLES.values() for role in roles if f"`{role}`" not in told}
+    assert not missing
 
 
 def test_units_give_the_same_log(tmp_path: Path, table: Table) -> None:

@@ -1,6 +1,7 @@
-"""A small joint with known truth that the tests of report and command line share.
+"""Joints with known truth that the tests of report and command line share.
 
-One basis term and an offset: a single stage to compile, whatever is done with it.
+The small one has one basis term and an offset: a single stage to compile, whatever is done with
+it. A pair of transmissions and a joint with a lever arm are from the catalogue.
 """
 
 from __future__ import annotations
@@ -9,7 +10,9 @@ import tomllib
 from functools import lru_cache
 from pathlib import Path
 
-from rotatum import Device, Estimate, Log, estimate, write_table
+import numpy as np
+
+from rotatum import Device, Estimate, Log, estimate, load_device, write_table
 from rotatum.models import device_from_tables
 from rotatum.simulation import Sensors, multisine, simulate_joint
 
@@ -70,6 +73,47 @@ def small_log() -> Log:
 @lru_cache(maxsize=1)
 def small_estimate() -> Estimate:
     return estimate(small_log(), small_device())
+
+
+@lru_cache(maxsize=1)
+def pair_log() -> Log:
+    """Eight seconds of flacco2012's inputs to the VSA-II, both springs over most of their range."""
+    return simulate_joint(
+        load_device("vsa-ii").joints[0],
+        seconds=8.0,
+        period=1e-3,
+        drives={
+            "tau1": lambda t: 0.05 * np.sin(0.25 * np.pi * t),
+            "tau2": lambda t: 0.05 * np.sin(2.0 * np.pi * t),
+        },
+        sensors=Sensors(noise={"tau1": 2e-3, "tau2": 2e-3}),
+        seed=1,
+    )
+
+
+@lru_cache(maxsize=1)
+def pair_estimate() -> Estimate:
+    return estimate(pair_log(), load_device("vsa-ii"))
+
+
+@lru_cache(maxsize=1)
+def lever_log() -> Log:
+    """Eight seconds of the AwAS, its lever arm from 0.1 m to 0.08 m and back."""
+    return simulate_joint(
+        load_device("awas").joints[0],
+        seconds=8.0,
+        period=1e-3,
+        drives={
+            "tau": lambda t: 15.0 * np.sin(1.6 * np.pi * t),
+            "setpoint": lambda t: 0.09 + 0.01 * np.cos(0.25 * np.pi * t),
+        },
+        seed=1,
+    )
+
+
+@lru_cache(maxsize=1)
+def lever_estimate() -> Estimate:
+    return estimate(lever_log(), load_device("awas"))
 
 
 def write_scene(folder: Path) -> tuple[Path, Path]:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 
-from rotatum import write_report
-from tests.report.scenes import small_estimate
+from rotatum import Estimate, write_report
+from tests.report.scenes import lever_estimate, pair_estimate, small_estimate
 
 # What keeps a headless browser quiet and off the network.
 FLAGS = [
@@ -57,8 +58,11 @@ class Seen(NamedTuple):
 
 
 @pytest.mark.parametrize("width", [1280, 400])
-def test_every_panel_is_drawn_inside_the_page(chromium: str, tmp_path: Path, width: int) -> None:
-    path = write_report(small_estimate(), tmp_path / "report.html")
+@pytest.mark.parametrize("scene", [small_estimate, pair_estimate, lever_estimate])
+def test_every_panel_is_drawn_inside_the_page(
+    chromium: str, tmp_path: Path, width: int, scene: Callable[[], Estimate]
+) -> None:
+    path = write_report(scene(), tmp_path / "report.html")
     path.write_text(path.read_text("utf-8").replace("</body>", f"{PROBE}</body>"), "utf-8")
     frame = tmp_path / "frame.html"
     frame.write_text(FRAME.replace("WIDTH", str(width)))

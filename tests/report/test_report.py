@@ -12,8 +12,8 @@ import pytest
 
 from rotatum import Estimate, RotatumError, estimate, plot, write_report
 from rotatum.kernels.status import STARVED
-from rotatum.report.characteristic_panel import law
 from rotatum.report.page import page
+from rotatum.report.part import law, parts
 from rotatum.report.view import view
 from tests.report.scenes import STIFFNESS, small_device, small_estimate, small_log
 
@@ -79,10 +79,10 @@ def test_curves_are_thinned_and_keep_their_extremes(html: str) -> None:
 
 
 def test_the_law_is_the_spring() -> None:
-    shown = view(small_estimate(), "elbow")
+    (part,) = parts(view(small_estimate(), "elbow"))
     phi = np.linspace(-0.05, 0.05, 5)
     # the log tells the stiffness to far better than a per cent
-    np.testing.assert_allclose(law(shown, phi), STIFFNESS * phi, rtol=0.01, atol=1e-9)
+    np.testing.assert_allclose(law(part, phi), STIFFNESS * phi, rtol=0.01, atol=1e-9)
 
 
 def test_a_log_that_tells_nothing_has_a_report_too(tmp_path: Path) -> None:

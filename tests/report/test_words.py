@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rotatum.estimators.series import KERNELS
+from rotatum.estimators.shapes import KERNELS
 from rotatum.kernels.status import VERDICTS
 from rotatum.report.palette import VERDICT_COLOURS, VERDICT_MEANINGS
 from rotatum.report.references import REFERENCES, reference

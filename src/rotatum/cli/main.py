@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rotatum.cli import demo, devices, estimate, export
+from rotatum.cli import demo, devices, estimate, export, reproduce
 from rotatum.cli.failures import Verbs
 
 __all__ = ["app", "main"]
@@ -52,4 +52,5 @@ def _program(
 app.command("estimate")(estimate.estimate)
 app.command("demo")(demo.demo)
 app.command("devices")(devices.devices)
+app.command("reproduce")(reproduce.reproduce)
 app.add_typer(export.app, name="export")

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rotatum.evaluation import Estimate
-from rotatum.report.words import fitted_unit, lines, measure, number
+from rotatum.report.results import FITTED, Line, cells, fitted_lines, lines
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -21,22 +22,30 @@ _STYLES = {
     "inconsistent": "bold red",
 }
 
+# What stands below the tables; the report has all of them.
+_SETTINGS = ("cutoff", "fit", "forgetting", "solver", "shrinkage")
+
 
 def print_estimate(console: Console, estimate: Estimate) -> None:
-    """Print stiffness and verdict per joint, what was fitted, the truth, and the reasons.
+    """Print stiffness and verdict per joint and transmission, what was fitted, the truth, reasons.
+
+    Below stand the settings used and why.
 
     Parameters
     ----------
     console : where to.
     estimate : what to tell.
     """
-    console.print(_results(estimate))
+    told = lines(estimate)
+    console.print(_results(estimate, told))
     if any(found.fitted for found in estimate.joints.values()):
         console.print(_fitted(estimate))
-    if any(found.truth for found in estimate.joints.values()):
-        console.print(_truth(estimate))
+    if any(line.mse for line in told):
+        console.print(_truth(told))
     for found in estimate.joints.values():
         console.print(f"{found.name}: {found.reason}")
+    for settings in _settings(estimate):
+        console.print(settings, style="dim")
 
 
 def table_of(*columns: str, title: str | None = None, numbers: tuple[int, ...] = ()) -> Table:
@@ -69,41 +78,60 @@ def verdict_text(verdict: str) -> Text:
     return Text(verdict, style=_STYLES.get(verdict, ""))
 
 
-def _results(estimate: Estimate) -> Table:
+def _results(estimate: Estimate, told: Sequence[Line]) -> Table:
     title = (
         f"{estimate.device.name}: {estimate.method}, {estimate.side} side, torque "
         f"{estimate.torque}; {estimate.samples:,} samples, {estimate.seconds:.4g} s"
     )
-    table = table_of(
-        "joint", "stiffness", "interval", "verdict", "first informative", "torque rms", title=title
-    )
-    for told in lines(estimate):
-        verdict = verdict_text(told.verdict)
-        table.add_row(told.joint, told.stiffness, told.relative, verdict, told.since, told.torque)
+    titles = {
+        "name": "joint",
+        "stiffness": "stiffness",
+        "relative": "interval",
+        "external": "with gravity",
+        "verdict": "verdict",
+        "since": "first informative",
+        "torque": "torque rms",
+    }
+    head, rows = cells(told, titles)
+    table = table_of(*head, title=title)
+    table.padding = (0, 1, 0, 0)
+    verdict = head.index(titles["verdict"])
+    # A narrow terminal folds the other columns.
+    for place in (0, verdict):
+        table.columns[place].no_wrap = True
+    for row in rows:
+        table.add_row(*row[:verdict], verdict_text(row[verdict]), *row[verdict + 1 :])
     return table
 
 
 def _fitted(estimate: Estimate) -> Table:
-    table = table_of("joint", "fitted", "value")
-    for joint in estimate.device.joints:
-        for name, (value, std) in estimate.joints[joint.name].fitted.items():
-            unit = fitted_unit(name, estimate, joint)
-            table.add_row(joint.name, name, measure(value, std, unit))
-    return table
-
-
-def _truth(estimate: Estimate) -> Table:
-    table = table_of(
-        "joint",
-        "mean square error",
-        "MSREP %",
-        "truth in interval %",
-        "scored from s",
-        numbers=(1, 2, 3, 4),
-    )
+    table = table_of(*FITTED)
     for found in estimate.joints.values():
-        if found.truth:
-            keys = ("mse", "msrep_percent", "coverage_percent")
-            scores = [number(found.truth[key]) for key in keys]
-            table.add_row(found.name, *scores, number(found.score_from))
+        for row in fitted_lines(estimate, found):
+            table.add_row(*row)
     return table
+
+
+def _truth(told: Sequence[Line]) -> Table:
+    titles = {
+        "name": "joint",
+        "mse": "mean square error",
+        "msrep": "MSREP %",
+        "covered": "truth in interval %",
+        "scored": "scored from s",
+    }
+    head, rows = cells([line for line in told if line.mse], titles)
+    table = table_of(*head, numbers=(1, 2, 3, 4))
+    table.columns[0].no_wrap = True
+    for row in rows:
+        table.add_row(*row)
+    return table
+
+
+def _settings(estimate: Estimate) -> list[str]:
+    """Say the settings a reader may want to change; joints that share them are told at once."""
+    shared: dict[str, list[str]] = {}
+    for found in estimate.joints.values():
+        words = [f"{name} {found.settings[name]}" for name in _SETTINGS if name in found.settings]
+        shared.setdefault("; ".join(words), []).append(found.name)
+    return [f"{', '.join(names)}: {told}" for told, names in shared.items()]

@@ -19,9 +19,6 @@ KINDS = {
     "offset": rows.OFFSET,
 }
 SOMEWHERE = 0.01  # rad; with a single power the range only scales: a middling elastic joint
-THRESHOLD = 0.5  # squared coefficient over its variance at which half of the first is kept
-STEEPER = 6.0  # factor on it per further column: more columns, more chances of chance
-STEEPEST = 3  # further columns after which it stays: ten standard deviations are sure
 
 
 class Power(NamedTuple):
@@ -53,12 +50,6 @@ def powers_of(joint: Joint) -> tuple[Power, ...]:
 def first_shrunk(joint: Joint, fitted: int) -> int:
     """Index of the first column that is shrunk: after fitted ones, constant and straight line."""
     return fitted + 1 + [sum(p) for p in powers_of(joint)].index(1)
-
-
-def thresholds(columns: int, first: int) -> list[float]:
-    """Threshold of each column, rising with its rank after the first that is shrunk."""
-    ranks = [min(max(0, m - first), STEEPEST) for m in range(columns)]
-    return [THRESHOLD * STEEPER**rank for rank in ranks]
 
 
 def deflection_range(joint: Joint) -> float:

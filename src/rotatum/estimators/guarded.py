@@ -69,9 +69,7 @@ def guarded(
     return Stage(name, params, state, outer, inner.output, init, step, inner.cites)
 
 
-def _lines(
-    input: Layout, channels: tuple[str, ...], wires: Mapping[str, str]
-) -> list[str]:
+def _lines(input: Layout, channels: tuple[str, ...], wires: Mapping[str, str]) -> list[str]:
     starts = _starts(input)
     place = {name: f"state.guard.mix[{i}]" for i, name in enumerate(channels)}
     place["time"] = "state.guard.mix_time"

@@ -33,10 +33,9 @@ evidence_verdict_bits(
     params.evidence, state.evidence, half / (math.fabs(out.stiffness) + 1e-300)
 )"""
 
-RENEW = """spread = {spread}state.evidence.unit)
-{multiply}state.evidence.unit, state.evidence.column)
+RENEW = """{multiply}state.evidence.unit, state.evidence.column)
 evidence_coefficient(
-    params.evidence, state.evidence, sums, {alpha}, state.evidence.turn, at, {bias2}
+    params.evidence, state.evidence, sums, {alpha}, state.evidence.turn, at, {lost2}
 )
 state.evidence.turn = state.evidence.turn + 1
 if state.evidence.turn >= {columns}:
@@ -66,6 +65,29 @@ if status & {PRIOR} == 0:
 readout_decide(params.readout, state.readout, status, wrong, time, counted, out)
 out.time = time
 out.rows = state.solver.count"""
+
+
+# Whose coefficients are read out, and with which deviations.
+
+PLAIN = {
+    "alpha": "state.solver.alpha",
+    "multiply": "solver_multiply(state.solver, ",
+    "spread": "solver_spread(state.solver, ",
+    "bias2": "0.0",
+    "lost2": "0.0",
+    "apply": "",
+    "weigh": "",
+}
+SHRUNK = {
+    "alpha": "state.shrink.alpha",
+    "multiply": "shrink_multiply(state.shrink, state.solver, ",
+    "spread": "shrink_spread(state.shrink, state.solver, ",
+    "bias2": "state.shrink.bias2",
+    "lost2": "shrink_lost2(state.shrink, state.solver, state.evidence.unit)",
+    "apply": "shrink_apply(state.shrink, state.solver)\n",
+    "weigh": "shrink_weigh(\n    params.shrink, state.shrink, state.solver, "
+    "state.evidence.variance, sums, at\n)\n",
+}
 
 
 class Part(NamedTuple):
@@ -116,7 +138,7 @@ def part_of(rows_stage: Stage, solver: Solver, terms: int, columns: int, shrunk:
     }
     init = [f"{k}_init(params{{0}}.{k}, state{{0}}.{k})" for k in params]
     if shrunk:
-        params["shrink"] = Field(shrink.ShrinkParams.layout(p=p))
+        params["shrink"] = Field(shrink.ShrinkParams.layout())
         state["shrink"] = Field(shrink.ShrinkState.layout(p=p))
         init.append("shrink_init(params{0}.shrink, state{0}.shrink)")
     cites = tuple(dict.fromkeys((*rows_stage.cites, *solver.cites)))
@@ -127,24 +149,8 @@ def part_of(rows_stage: Stage, solver: Solver, terms: int, columns: int, shrunk:
 
 def _write(kernels: dict[str, Any], name: str, terms: int, columns: int, shrunk: bool) -> None:
     """Write the composed kernels of a part into ``kernels``; later ones call earlier ones."""
-    read = "state.shrink, state.solver, " if shrunk else "state.solver, "
-    which = "shrink" if shrunk else "solver"
-    words: dict[str, Any] = {
-        "terms": terms,
-        "columns": columns,
-        "PRIOR": PRIOR,
-        "alpha": f"state.{which}.alpha",
-        "multiply": f"{which}_multiply({read}",
-        "spread": f"{which}_spread({read}",
-        "bias2": "state.shrink.bias2" if shrunk else "0.0",
-        "apply": "shrink_apply(params.shrink, state.shrink, state.solver)\n" if shrunk else "",
-        "weigh": "",
-    }
-    if shrunk:
-        words["weigh"] = (
-            "shrink_weigh(\n    params.shrink, state.shrink, state.solver, "
-            "state.evidence.variance, sums, at\n)\n"
-        )
+    words: dict[str, Any] = {"terms": terms, "columns": columns, "PRIOR": PRIOR}
+    words |= SHRUNK if shrunk else PLAIN
     words["renew"] = RENEW.format(**words)
     for signature, text in (
         ("learn(params, state, sums, at, probes)", LEARN),
@@ -169,6 +175,6 @@ def _kernels(rows_stage: Stage, solver: Solver) -> dict[str, Any]:
         found[f"evidence_{name}"] = getattr(evidence, name)
     for name in ("init", "read", "deviations", "status_of", "decide"):
         found[f"readout_{name}"] = getattr(readout, name)
-    for name in ("init", "apply", "weigh", "spread", "multiply"):
+    for name in ("init", "apply", "weigh", "spread", "lost2", "multiply"):
         found[f"shrink_{name}"] = getattr(shrink, name)
     return found

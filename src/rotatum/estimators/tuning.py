@@ -17,7 +17,6 @@ from rotatum.estimators.columns import (
     known_std,
     powers_of,
     setpoint_scale,
-    thresholds,
 )
 from rotatum.estimators.filters import fill_friction, fill_kinematic, fill_residual, fill_weak
 from rotatum.estimators.settings import Settings
@@ -268,9 +267,7 @@ def _solver(
         for name, scale in zip(settings.fit, scales, strict=True)
     ]
     if "shrink" in part.dtype.names:
-        first = first_shrunk(joint, fitted)
-        part["shrink"]["first"] = first
-        part["shrink"]["threshold"][:] = thresholds(len(solver["spread"]), first)
+        part["shrink"]["first"] = first_shrunk(joint, fitted)
     _readout(part["readout"], period)
     notes["verdict"] = "starved above +-50 %, informative below +-10 % for 1 s"
     if joint.encoders.accuracy:

@@ -178,7 +178,7 @@ class Estimate:
         for name in names:
             joint = next(j for j in self.device.joints if j.name == name)
             found = self.joints[name]
-            columns |= reading_columns(joint, found.records, found.logged["q"])
+            columns |= reading_columns(joint, self.torque, found.records, found.logged["q"])
         write_table(path, columns)
 
     def plot(self) -> Figure:

@@ -102,15 +102,25 @@ def external_stiffness(joint: Joint, stiffness: ArrayLike, q: ArrayLike) -> NDAr
     return np.asarray(np.asarray(stiffness) + gravity * np.cos(q))
 
 
-def final_external(joint: Joint, last: Records, q: NDArray[np.float64]) -> float | None:
-    """Return it at the last sample whose link position is known; None without a link.
+def has_external(joint: Joint, torque: str) -> bool:
+    """Whether gravity can be added: the link is described, and torques are in N m.
 
     Args:
         joint: as described.
+        torque: their source.
+    """
+    return joint.link is not None and joint.torque_unit(torque) == "N m"
+
+
+def final_external(prepared: Prepared, last: Records, q: NDArray[np.float64]) -> float | None:
+    """Return it at the last sample whose link position is known; None where there is none.
+
+    Args:
+        prepared: the joint.
         last: the last reading.
         q: kept link positions.
     """
     known = q[np.isfinite(q)]
-    if joint.link is None or not known.size:
+    if not known.size or not has_external(prepared.joint, prepared.settings.torque):
         return None
-    return float(external_stiffness(joint, last["stiffness"], known[-1]))
+    return float(external_stiffness(prepared.joint, last["stiffness"], known[-1]))

@@ -136,7 +136,9 @@ def _run(
                         extra = {r: logged[r][part] for r in EXTRA if r in logged}
                         summaries[joint.name].add(out[:, i], extra)
                         if table is not None:
-                            columns |= reading_columns(joint, out[:, i], extra["q"])
+                            columns |= reading_columns(
+                                joint, prepared.settings.torque, out[:, i], extra["q"]
+                            )
                 if table is not None:
                     table.write(columns)
                 done += part.stop - part.start
@@ -305,7 +307,7 @@ def _joint(summary: Summary, loop: Estimator, name: str, nanoseconds: float) -> 
         fitted={f"{k}{p.end}": v for p in parts for k, v in p.fitted.items()},
         stiffness=summary.stiffness(),
         stiffness_std=float(last["stiffness_std"]),
-        external_stiffness=final_external(prepared.joint, last, kept["q"]),
+        external_stiffness=final_external(prepared, last, kept["q"]),
         torque_rms=summary.torque_rms(),
         verdict=VERDICTS[int(last["verdict"])],
         reason=reason(last, prepared),

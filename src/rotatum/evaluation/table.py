@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rotatum.evaluation.parts import external_stiffness
+from rotatum.evaluation.parts import external_stiffness, has_external
 from rotatum.kernels.status import VERDICTS
 from rotatum.models import Joint
 from rotatum.record import Records
@@ -17,7 +17,7 @@ PARTS = ("stiffness", "stiffness_std", "torque", "dstiffness", "deflection")
 
 
 def reading_columns(
-    joint: Joint, records: Records, q: NDArray[np.float64]
+    joint: Joint, torque: str, records: Records, q: NDArray[np.float64]
 ) -> dict[str, NDArray[Any]]:
     """Canonical result columns of one joint: ``<joint>.stiffness`` and so on, all SI.
 
@@ -26,12 +26,13 @@ def reading_columns(
 
     Args:
         joint: as described.
+        torque: source of its torques.
         records: (N,) records of ``Reading`` or ``PairReading``.
         q: (N,) link positions, rad.
     """
     name = joint.name
     columns: dict[str, NDArray[Any]] = {f"{name}.{f}": records[f] for f in FIELDS}
-    if joint.link is not None:
+    if has_external(joint, torque):
         columns[f"{name}.external_stiffness"] = external_stiffness(joint, records["stiffness"], q)
     if joint.actuation == "antagonistic":
         for field in PARTS:

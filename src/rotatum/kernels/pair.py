@@ -11,6 +11,8 @@ from rotatum.kernels.readout import decide
 from rotatum.kernels.status import PRIOR, WIDE
 from rotatum.record import Record, integer, number, vector
 
+LEAST = -0.5  # correlation: what is believed of errors that cancel
+
 
 class PairState(Record):
     """How the errors of the two stiffnesses hang together."""
@@ -72,7 +74,8 @@ def relate(state: Any, sums: Any, first: Any, second: Any) -> None:
 
     Both transmissions are deflected against the same link, so its encoder's errors enter both.
     With V_1, V_2 the variances of each and V the sandwich along both directions at once,
-    ``r = (V - V_1 - V_2) / (2 sqrt(V_1 V_2))``, within +-1.
+    ``r = (V - V_1 - V_2) / (2 sqrt(V_1 V_2))``, at most 1. Below -1/2 it is not believed: it rests
+    on the few longest blocks, and errors that seem to cancel would leave no interval at all.
     """
     p = len(first.direction)
     for i in range(p):
@@ -86,8 +89,8 @@ def relate(state: Any, sums: Any, first: Any, second: Any) -> None:
         r = (both - V1 - V2) / (2.0 * math.sqrt(V1 * V2))
         if r > 1.0:
             r = 1.0
-        if r < -1.0:
-            r = -1.0
+        if r < LEAST:
+            r = LEAST
         state.correlation = r
 
 

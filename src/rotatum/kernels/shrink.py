@@ -5,11 +5,14 @@ are then the last coefficients of the nested models: zeta_m is what column m wou
 the highest order, d_m its variance over the rows' noise. Leaving out the columns from m on is
 ``zeta_m = ... = 0``; shrinking each by a weight between 0 and 1 lies between:
 
-    alpha' = U (w zeta),    w = 1 / (1 + (c V / zeta^2)^2) * L / (L + V),
+    alpha' = U (w zeta),    w = b L / (L + V),    b = 1 / (1 + (c V / zeta^2)^3),
 
-V the variance of zeta_m with coloured residuals accounted for, c the threshold of its rank, and
-L the square of the last coefficient that is not shrunk: at full range no order is expected to be
-much larger than the straight line. Weights are renewed as evidence is.
+V the variance of zeta_m with coloured residuals accounted for, and L the square of thrice the last
+coefficient that is not shrunk: at full range no order is expected to be much larger than the
+straight line. The threshold c is 1/2 for the first order; the next one's is 3 where this one is
+believed (b = 1), ten times its own where it is not (b = 0): more orders are more chances of
+chance, and a law that does without one order seldom needs the next. Weights are renewed as
+evidence is.
 """
 
 from __future__ import annotations
@@ -19,12 +22,17 @@ from typing import Any
 from rotatum.kernels import blocks
 from rotatum.record import Record, integer, number, vector
 
+FIRST = 0.5  # threshold of the first order: squared coefficient over variance that keeps half
+NEXT = 3.0  # of the order after one that is believed
+STEEPER = 10.0  # factor on it after one that is not
+LARGEST = 3.0  # size of an order at full range, in straight lines, that is nothing special
+STEEPEST = 108.0  # of any: ten standard deviations are sure
+
 
 class ShrinkParams(Record):
-    """Which columns are shrunk and how sure they have to be."""
+    """Which columns are shrunk."""
 
     first = integer("first column that is shrunk; the one before it sets the scale")
-    threshold = vector("p", "squared coefficient over its variance at which half is kept")
 
 
 class ShrinkState(Record):
@@ -46,21 +54,20 @@ def init(params: Any, state: Any) -> None:
             state.weight[i] = 0.0
 
 
-def apply(params: Any, state: Any, solver: Any) -> None:
-    """Make ``alpha`` of the solver's coefficients: ``alpha' = alpha - U ((1 - w) zeta)``."""
+def apply(state: Any, solver: Any) -> None:
+    """Make ``zeta`` and ``alpha`` of the solver's coefficients."""
     p = len(state.alpha)
-    for k in range(p - params.first):
-        m = p - 1 - k
-        z = solver.alpha[m]
-        for j in range(m + 1, p):
-            z = z - solver.U[m, j] * state.zeta[j]
-        state.zeta[m] = z
     for i in range(p):
-        value = solver.alpha[i]
-        for j in range(params.first, p):
-            if j >= i:
-                value = value - (1.0 - state.weight[j]) * solver.U[i, j] * state.zeta[j]
-        state.alpha[i] = value
+        state.zeta[i] = solver.alpha[i]
+        state.alpha[i] = 0.0
+    for k in range(p):
+        m = p - 1 - k
+        z = state.zeta[m]
+        wz = state.weight[m] * z
+        for i in range(m):
+            state.zeta[i] = state.zeta[i] - solver.U[i, m] * z
+            state.alpha[i] = state.alpha[i] + solver.U[i, m] * wz
+        state.alpha[m] = state.alpha[m] + wz
 
 
 def weigh(params: Any, state: Any, solver: Any, variance: float, sums: Any, at: int) -> None:
@@ -70,9 +77,10 @@ def weigh(params: Any, state: Any, solver: Any, variance: float, sums: Any, at: 
     residuals is the sandwich along that direction, and never less than ``variance d_m``. What
     shrinking takes is known only as well as zeta_m: ``(1 - w)^2 max(0, zeta^2 - V)``.
     """
-    apply(params, state, solver)
+    apply(state, solver)
     p = len(state.alpha)
-    line = _nested(state, solver, params.first - 1)
+    line = LARGEST * state.zeta[params.first - 1]
+    threshold = FIRST
     for m in range(params.first, p):
         for i in range(p):
             state.direction[i] = 0.0
@@ -83,29 +91,23 @@ def weigh(params: Any, state: Any, solver: Any, variance: float, sums: Any, at: 
         if worst > V:
             V = worst
         z2 = state.zeta[m] * state.zeta[m]
-        state.weight[m] = _weight(z2, V, params.threshold[m], line * line)
+        believed = _believed(z2, V, threshold)
+        state.weight[m] = believed * line * line / (line * line + V + 1e-300)
+        threshold = believed * NEXT + (1.0 - believed) * STEEPER * threshold
+        if threshold > STEEPEST:
+            threshold = STEEPEST
         state.lost2[m] = 0.0
         if z2 > V:
             rest = 1.0 - state.weight[m]
             state.lost2[m] = rest * rest * (z2 - V)
-    apply(params, state, solver)
+    apply(state, solver)
 
 
-def _nested(state: Any, solver: Any, m: int) -> float:
-    """zeta_m, those after it being known."""
-    z: float = solver.alpha[m]
-    for j in range(m + 1, len(state.zeta)):
-        z = z - solver.U[m, j] * state.zeta[j]
-    return z
-
-
-def _weight(z2: float, V: float, threshold: float, line2: float) -> float:
+def _believed(z2: float, V: float, threshold: float) -> float:
     if z2 <= 0.0:
         return 0.0
-    if V <= 0.0:
-        return 1.0
     r = threshold * V / z2
-    return line2 / ((1.0 + r * r) * (line2 + V))
+    return 1.0 / (1.0 + r * r * r)
 
 
 def spread(state: Any, solver: Any, c: Any) -> float:
@@ -119,6 +121,17 @@ def spread(state: Any, solver: Any, c: Any) -> float:
         total = total + state.weight[j] * solver.d[j] * s * s
         bias2 = bias2 + state.lost2[j] * s * s
     state.bias2 = bias2
+    return total
+
+
+def lost2(state: Any, solver: Any, c: Any) -> float:
+    """Return the square of what shrinking may have taken from ``c^T alpha``."""
+    total = 0.0
+    for j in range(len(state.alpha)):
+        s = c[j]
+        for i in range(j):
+            s = s + solver.U[i, j] * c[i]
+        total = total + state.lost2[j] * s * s
     return total
 
 

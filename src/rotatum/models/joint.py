@@ -103,9 +103,12 @@ class Joint(Table):
 
         Parameters
         ----------
-        torque : their source, "estimated" or "sensor".
+        torque : their source, "estimated", "sensor" or "model".
         """
-        channel = self.channels.get("torque_measured" if torque == "sensor" else "tau")
+        if torque == "model":
+            return "N m"
+        role = "torque_measured" if torque == "sensor" else "tau"
+        channel = self.channels.get(role) or self.channels.get(f"{role}1")
         if channel is None or channel.unit is None:
             return "N m"
         return "A" if find_unit(channel.unit, "torque").name in ("A", "mA") else "N m"

@@ -26,15 +26,16 @@ header, main, footer { overflow-wrap: anywhere; }
 .reason { margin: .3em 0; }
 .cards { display: grid; grid-template-columns: minmax(0, 1fr); gap: 16px; margin: 14px 0; }
 @media (min-width: 1100px) { .cards { grid-template-columns: repeat(2, minmax(0, 1fr)); }
-  .card.stiffness { grid-column: 1 / -1; } .card.excitation { grid-row: span 2; } }
+  .card.stiffness { grid-column: 1 / -1; } .card.tall { grid-row: span 2; } }
 .card { background: var(--card); border: 1px solid var(--edge); border-radius: 8px;
   padding: 12px 14px; min-width: 0; }
 .plot { width: 100%; }
 .wide { overflow-x: auto; margin: .6em 0; }
 table { border-collapse: collapse; font-size: .86rem; background: var(--card); }
-th, td { border: 1px solid var(--edge); padding: .3em .6em; text-align: left;
+th, td { border: 1px solid var(--edge); padding: .3em .5em; text-align: left;
   vertical-align: top; overflow-wrap: normal; }
-th { color: var(--soft); font-weight: 600; } .results td, .fitted td { white-space: nowrap; }
+th { color: var(--soft); font-weight: 600; } .results td { white-space: pre; }
+.fitted td { white-space: nowrap; }
 .events td:nth-child(2) { text-align: right; }
 .warnings { background: var(--warn); border-left: 4px solid var(--warn-edge);
   padding: .2em 1em .4em; border-radius: 4px; margin: 1em 0; }

@@ -5,110 +5,81 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from rotatum.report.cloud import by_deflection, cloud, deviation
 from rotatum.report.palette import BAND, DATA, ESTIMATE, TRUTH
 from rotatum.report.panel import Panel, Row, Trace, band, line, robust_range
+from rotatum.report.part import Part, law, parts
+from rotatum.report.setpoints import moves
+from rotatum.report.surface_panel import DEFLECTION, surface_panel
 from rotatum.report.view import View
 
-__all__ = ["characteristic_panel", "law"]
+__all__ = ["characteristic_panel"]
 
 Array = NDArray[np.float64]
-_CLOUD = 4000  # points shown of the data
-_BINS = 60  # over the deflection, for the band and the truth
 
 
 def characteristic_panel(shown: View) -> Panel:
     """Return torque over deflection: the fitted law, its band, the truth, the data.
 
+    One plot for each transmission; where the law hangs on a set-point that moved, a surface over
+    deflection and set-point with slices of it.
+
     Parameters
     ----------
     shown : the joint.
     """
-    phi = np.where(shown.known, shown.field("deflection"), np.nan)
+    if moves(shown):
+        return surface_panel(shown)
+    own = parts(shown)
+    each = " of each transmission" if len(own) > 1 else ""
+    offset = (
+        " The fitted offset is not part of the law."
+        if any("offset" in part.result.fitted for part in own)
+        else ""
+    )
+    return Panel(
+        "characteristic",
+        f"Torque over deflection{each}",
+        "The slope of the fitted law is the stiffness. Every point is the law plus what is left "
+        "over of one row: the cloud shows where the joint has been deflected, and how far the data "
+        f"are from the law. Outside the cloud nothing is known.{offset}",
+        [_row(part, 380 if len(own) == 1 else 280) for part in own],
+        DEFLECTION,
+    )
+
+
+def _row(part: Part, height: int) -> Row:
+    phi = part.learned("deflection")
+    setpoint = _usual_setpoint(part.shown)
     traces: list[Trace] = []
     torque = np.empty(0)
     if np.isfinite(phi).any():
         grid = np.linspace(np.nanmin(phi), np.nanmax(phi), 200)
-        torque = law(shown, phi) + shown.row("row_torque") - shown.row("row_fit")
-        traces.append(_cloud(phi, torque))
-        half = 1.96 * _deviation(shown, phi, grid)
-        curve = law(shown, grid)
+        torque = law(part, phi, setpoint) + part.row("row_torque") - part.row("row_fit")
+        traces.append(cloud("data", phi, torque, DATA))
+        half = 1.96 * deviation(part, phi, grid)
+        curve = law(part, grid, setpoint)
         traces += band("95 % interval", 1e3 * grid, curve - half, curve + half, BAND)
         traces.append(line("fitted law", 1e3 * grid, curve, ESTIMATE, width=2.5))
-        traces += _truth(shown, phi, grid)
+        traces += _truth(part, phi, grid, setpoint)
     limits = robust_range(torque, keep=0.998)
-    return Panel(
-        "characteristic",
-        "Torque over deflection",
-        "The slope of the fitted law is the stiffness. Every point is the law plus what is left "
-        "over of one row: the cloud shows where the joint has been deflected, and how far the data "
-        "are from the law. Outside the cloud nothing is known.",
-        [Row(f"elastic torque, {shown.unit}", traces, {"range": limits} if limits else {}, 380)],
-        {"title": {"text": "deflection q - theta, mrad"}},
-    )
+    what = f"{part.name}: elastic torque" if part.paired else "elastic torque"
+    return Row(f"{what}, {part.shown.unit}", traces, {"range": limits} if limits else {}, height)
 
 
-def law(shown: View, phi: Array) -> Array:
-    """Return the elastic torque of the final coefficients at deflections [rad].
-
-    Parameters
-    ----------
-    shown : the joint.
-    phi : (N,) rad.
-    """
-    torque = np.zeros_like(phi)
-    found = shown.estimate
-    for column, coefficient in zip(found.columns, found.coefficients, strict=True):
-        if column == "constant":
-            torque += coefficient
-        elif column.startswith("phi^"):
-            torque += coefficient * phi ** int(column.removeprefix("phi^"))
-    return torque
+def _usual_setpoint(shown: View) -> float:
+    """Return the set-point the joint stood at, in the middle of its values."""
+    if shown.setpoint is None or not np.isfinite(shown.setpoint).any():
+        return 0.0
+    return float(np.nanmedian(shown.setpoint))
 
 
-def _deviation(shown: View, phi: Array, grid: Array) -> Array:
-    """Return the standard deviation of the law: with a single power it is proportional to it."""
-    powers = [c for c in shown.estimate.columns if c == "constant" or c.startswith("phi^")]
-    if powers == ["phi^1"]:
-        return np.abs(grid) * shown.estimate.stiffness_std
-    return np.interp(grid, *_by_deflection(phi, shown.field("torque_std")))
-
-
-def _cloud(phi: Array, torque: Array) -> Trace:
-    # Evenly over the deflection rather than over time, so that rare deflections are seen.
-    there = np.flatnonzero(np.isfinite(phi) & np.isfinite(torque))
-    if len(there) > _CLOUD:
-        along = there[np.argsort(phi[there], kind="stable")]
-        there = along[np.linspace(0, len(along) - 1, _CLOUD).astype(int)]
-    return {
-        "type": "scatter",
-        "mode": "markers",
-        "name": "data",
-        "x": (1e3 * phi[there]).astype(np.float32),
-        "y": torque[there].astype(np.float32),
-        "marker": {"size": 4, "color": DATA, "opacity": 0.35},
-        "hoverinfo": "skip",
-    }
-
-
-def _truth(shown: View, phi: Array, grid: Array) -> list[Trace]:
-    torque = shown.truth("torque")
+def _truth(part: Part, phi: Array, grid: Array, setpoint: float) -> list[Trace]:
+    torque = part.truth("torque")
     if torque is not None:
-        x, y = _by_deflection(phi, torque)
+        x, y = by_deflection(phi, torque)
         return [line("truth", 1e3 * x, y, TRUTH, dash="dash")]
-    spring = shown.joint.transmission
-    if spring.law is None:
+    if part.spring.law is None or part.shown.unit != "N m":
         return []
-    told = spring.torque(grid)
+    told = part.spring.torque(grid, setpoint)
     return [line("device file's law", 1e3 * grid, told, TRUTH, dash="dash")]
-
-
-def _by_deflection(phi: Array, values: Array) -> tuple[Array, Array]:
-    """Return the latest value in each bin of the deflection that was visited, and where it was."""
-    good = np.flatnonzero(np.isfinite(phi) & np.isfinite(values))
-    edges = np.linspace(phi[good].min(), phi[good].max(), _BINS + 1)
-    place = np.clip(np.digitize(phi[good], edges) - 1, 0, _BINS - 1)
-    latest = np.full(_BINS, -1)
-    latest[place] = good  # later samples overwrite earlier ones
-    chosen = latest[latest >= 0]
-    chosen = chosen[np.argsort(phi[chosen], kind="stable")]
-    return phi[chosen], values[chosen]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from rotatum.evaluation import Estimate
@@ -69,15 +70,23 @@ def page(estimate: Estimate) -> str:
 
 def _joint(estimate: Estimate, number: int, name: str) -> str:
     shown = view(estimate, name)
+    drawn = panels(shown)
+    tall = _tall(drawn)
     cards = "".join(
-        _card(panel, f"joint{number}-{panel.key}", joint_facts(shown, panel.key))
-        for panel in panels(shown)
+        _card(panel, f"joint{number}-{panel.key}", joint_facts(shown, panel.key), panel is tall)
+        for panel in drawn
     )
     inner = joint_head(estimate, shown) + tag("div", cards, {"class": "cards"})
     return tag("section", inner, {"id": f"joint{number}", "class": "joint"})
 
 
-def _card(panel: Panel, identity: str, facts: str) -> str:
+def _tall(drawn: Sequence[Panel]) -> Panel:
+    """Return the higher one of excitation and coefficients: the status stands below the other."""
+    pair = [panel for panel in drawn if panel.key in ("excitation", "coefficients")]
+    return max(pair, key=lambda panel: sum(row.height for row in panel.rows))
+
+
+def _card(panel: Panel, identity: str, facts: str, tall: bool) -> str:
     """A heading, a plot and how to read it; the plot's numbers lie beside it as JSON."""
     figure = figure_of([panel])
     data = _safe(figure.to_json(remove_uids=True))
@@ -91,7 +100,7 @@ def _card(panel: Panel, identity: str, facts: str) -> str:
         + tag("p", escape(panel.note), {"class": "note"})
         + facts
     )
-    return tag("article", content, {"class": f"card {panel.key}"})
+    return tag("article", content, {"class": f"card {panel.key}{' tall' * tall}"})
 
 
 def _safe(json: str) -> str:

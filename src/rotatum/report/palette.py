@@ -9,6 +9,11 @@ __all__ = [
     "DATA",
     "ESTIMATE",
     "MEASURED",
+    "PARTS",
+    "PART_BANDS",
+    "SLICES",
+    "SLICE_BANDS",
+    "SURFACE",
     "THRESHOLD",
     "TRUTH",
     "VERDICT_COLOURS",
@@ -22,6 +27,17 @@ TRUTH = "#D55E00"
 MEASURED = "#E69F00"
 DATA = "#7A8794"
 THRESHOLD = "#CC79A7"
+
+# The two transmissions of an antagonistic joint, agonist first.
+PARTS = ("#009E73", "#CC79A7")
+PART_BANDS = ("rgba(0, 158, 115, 0.2)", "rgba(204, 121, 167, 0.25)")
+
+# A characteristic at a low, a middle and a high set-point.
+SLICES = ("#56B4E9", "#0072B2", "#009E73")
+SLICE_BANDS = ("rgba(86, 180, 233, 0.22)", "rgba(0, 114, 178, 0.22)", "rgba(0, 158, 115, 0.22)")
+
+# Torque from its lowest to its highest over a surface, no torque pale.
+SURFACE: list[tuple[float, str]] = [(0.0, "#7B6BB0"), (0.5, "#F3F4F6"), (1.0, "#4DA3C7")]
 
 VERDICT_COLOURS: dict[str, str] = {
     "starved": "#9AA5B1",

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from rotatum.evaluation import Estimate
+from rotatum.evaluation import Estimate, JointEstimate
 from rotatum.kernels.status import TABLE, VERDICTS
 from rotatum.report.html import escape, table, tag, typeset
 from rotatum.report.palette import VERDICT_COLOURS, VERDICT_MEANINGS
 from rotatum.report.references import reference
+from rotatum.report.results import FITTED, answer, cells, fitted_lines, lines
 from rotatum.report.view import View
-from rotatum.report.words import answer, fitted_unit, lines, measure, number
 
 __all__ = ["footer", "header", "joint_facts", "joint_head"]
 
@@ -25,10 +25,12 @@ def header(estimate: Estimate) -> str:
         for found in estimate.joints.values()
     )
     device = estimate.device
+    spent = max(found.ns_per_sample for found in estimate.joints.values())
     facts = (
         f"Log {estimate.source}: {estimate.samples:,} samples, {estimate.seconds:.4g} s at a "
         f"period of {estimate.period:.6g} s. Device {device.name} ({device.source}). "
-        f"Method {estimate.method}, {estimate.side} side, torque {estimate.torque}."
+        f"Method {estimate.method}, {estimate.side} side, torque {estimate.torque}; "
+        f"{spent:.0f} ns of computing per sample."
     )
     content = (
         tag("h1", f"Joint stiffness of {escape(estimate.device.name)}")
@@ -70,7 +72,7 @@ def joint_head(estimate: Estimate, shown: View) -> str:
         tag("h2", f"{escape(found.name)} {badge(found.verdict)}")
         + tag("p", escape(typeset(found.reason)), {"class": "reason"})
         + kept
-        + _fitted(estimate, shown)
+        + _fitted(estimate, found)
         + tag("details", tag("summary", "Settings used, and why") + settings)
     )
 
@@ -137,20 +139,23 @@ def _links(estimate: Estimate) -> str:
 
 
 def _results(estimate: Estimate) -> str:
-    head = ["joint", "stiffness", "interval", "verdict", "first informative", "torque rms"]
-    rows = [[typeset(cell) for cell in line] for line in lines(estimate)]
-    head += ["mean", "lowest", "highest", "time per sample"]
-    for row, found in zip(rows, estimate.joints.values(), strict=True):
-        row += [number(found.stiffness[key]) for key in ("mean", "min", "max")]
-        row.append(f"{found.ns_per_sample:.0f} ns")
-    if any(found.truth for found in estimate.joints.values()):
-        head += ["mean square error", "MSREP", "truth in interval"]
-        for row, found in zip(rows, estimate.joints.values(), strict=True):
-            truth = found.truth or {}
-            row.append(number(truth.get("mse"), 3))
-            row.append(f"{number(truth.get('msrep_percent'), 3)} %")
-            row.append(f"{number(truth.get('coverage_percent'), 3)} %")
-    return table(head, rows, "results")
+    titles = {
+        "name": "joint",
+        "stiffness": "stiffness",
+        "relative": "interval",
+        "external": "with gravity",
+        "verdict": "verdict",
+        "since": "first informative",
+        "torque": "torque rms",
+        "mean": "mean",
+        "lowest": "lowest",
+        "highest": "highest",
+        "mse": "mean square error",
+        "msrep": "MSREP, %",
+        "covered": "truth inside, %",
+    }
+    head, rows = cells(lines(estimate), titles)
+    return table(head, [[typeset(cell) for cell in row] for row in rows], "results")
 
 
 def _warnings(estimate: Estimate) -> str:
@@ -160,11 +165,11 @@ def _warnings(estimate: Estimate) -> str:
     return tag("div", tag("h2", "Warnings") + tag("ul", items), {"class": "warnings"})
 
 
-def _fitted(estimate: Estimate, shown: View) -> str:
-    if not shown.estimate.fitted:
+def _fitted(estimate: Estimate, found: JointEstimate) -> str:
+    rows = [[typeset(cell) for cell in told] for told in fitted_lines(estimate, found)]
+    if not rows:
         return ""
-    rows = [
-        (name, typeset(measure(value, std, fitted_unit(name, estimate, shown.joint))))
-        for name, (value, std) in shown.estimate.fitted.items()
-    ]
-    return table(("fitted beside the stiffness", "value with 95 % interval"), rows, "fitted")
+    head = ("fitted beside the stiffness", "value with 95 % interval")
+    if len(found.parts) > 1:
+        return table((FITTED[0], *head), rows, "fitted")
+    return table(head, [row[1:] for row in rows], "fitted")

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from rotatum.evaluation import Estimate, JointEstimate
 from rotatum.kernels.status import PRIOR, SETTLING
 from rotatum.models import Joint
+from rotatum.models.units import find_unit
 
 __all__ = ["View", "view"]
 
@@ -54,6 +55,12 @@ class View:
     def known(self) -> NDArray[np.bool_]:
         """Whether the data, and not the prior, say something about the stiffness."""
         return np.asarray((self.status & PRIOR) == 0)
+
+    @cached_property
+    def settled(self) -> NDArray[np.bool_]:
+        """Samples since the first informative one, or where the data say something if none was."""
+        since = self.estimate.converged_at
+        return self.known if since is None else self.known & (self.time >= since)
 
     @cached_property
     def scales(self) -> Array:
@@ -106,6 +113,28 @@ class View:
         """Measured elastic torque at each sample, None where there is no sensor."""
         values = self.estimate.logged.get("torque_measured")
         return None if values is None else values[self.order]
+
+    @cached_property
+    def setpoint(self) -> Array | None:
+        """Set-point at each sample in the unit of the law, None where the log has none."""
+        logged = self.estimate.logged.get("setpoint")
+        if logged is None:
+            return None
+        values = np.asarray(logged[self.order], np.float64)
+        return values if self.joint.setpoint is None else self.joint.setpoint.value(values)
+
+    @property
+    def setpoint_unit(self) -> str:
+        """Unit of the set-point: that of the law, else what it is logged in."""
+        spring, setpoint = self.joint.transmission, self.joint.setpoint
+        if spring.law is not None and spring.model.setpoint_unit:
+            return spring.model.setpoint_unit
+        if setpoint is not None and setpoint.law == "lever":
+            return "m"
+        channel = self.joint.channels.get("setpoint")
+        if channel is not None and channel.unit is not None:
+            return "m" if find_unit(channel.unit).kind == "length" else "rad"
+        return "rad"
 
     @cached_property
     def half(self) -> Array:

@@ -1,0 +1,1 @@
+"""The papers' tables and figures, each as a program: ``rotatum reproduce``."""

@@ -1,0 +1,61 @@
+"""The same work for many jobs, spread over processes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TypeVar
+
+from rotatum.evaluation.papers.case import Progress
+
+__all__ = ["spread"]
+
+J = TypeVar("J")
+R = TypeVar("R")
+
+
+def spread(
+    function: Callable[[J], R],
+    jobs: Sequence[J],
+    progress: Progress | None = None,
+    *,
+    workers: int | None = None,
+) -> list[R]:
+    """Return ``[function(job) for job in jobs]``, worked on by several processes.
+
+    The first job is done here: what it compiles the others find in the kernel cache, whose place
+    (``ROTATUM_CACHE_DIR``) they are told. Workers write no files and end with this process.
+
+    Args:
+        function: of a module, so that another process can find it.
+        jobs: small; the results should be, too.
+        progress: called after every job with jobs done and jobs in all.
+        workers: processes; ``None``: as many as there are processors. 1 works here.
+    """
+    if not jobs:
+        return []
+    results = []
+    for result in _results(function, jobs, workers or os.cpu_count() or 1):
+        results.append(result)
+        if progress is not None:
+            progress(len(results), len(jobs))
+    return results
+
+
+def _results(function: Callable[[J], R], jobs: Sequence[J], workers: int) -> Iterator[R]:
+    yield function(jobs[0])
+    rest = jobs[1:]
+    if workers < 2 or len(rest) < 2:
+        yield from map(function, rest)
+        return
+    from joblib import Parallel, delayed
+
+    settings = {k: v for k, v in os.environ.items() if k.startswith("ROTATUM_")}
+    pool = Parallel(n_jobs=min(workers, len(rest)), max_nbytes=None, return_as="generator")
+    yield from pool(delayed(_within)(settings, function, job) for job in rest)
+
+
+def _within(settings: Mapping[str, str], function: Callable[[J], R], job: J) -> R:
+    """Work under these settings: a process that is used again may be older than they are."""
+    os.environ.update(settings)
+    return function(job)
