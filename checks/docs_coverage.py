@@ -17,6 +17,7 @@ import rotatum
 from checks import surface
 from rotatum import models
 from rotatum.kernels import status
+from rotatum.models.explain import key_names
 from rotatum.models.quantity import Uncertain
 from rotatum.models.table import Table
 
@@ -65,7 +66,8 @@ def _records() -> Iterator[str]:
 
 
 def _pages() -> Iterator[str]:
-    keys = {key for table in _tables() for key in table.model_fields} - {"motors"} | {"motor"}
+    keys = {key for table in _tables() for key in key_names(table)}
+    keys -= {"given"}  # a law's constants, which stand in elastic-laws.md
     keys |= {field for field in Uncertain.__dataclass_fields__}
     yield from _missing("device-file.md", keys | set(models.FIT_QUANTITIES))
     yield from _missing("log-files.md", {role for roles in models.ROLES.values() for role in roles})

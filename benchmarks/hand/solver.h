@@ -5,6 +5,10 @@
 
 #include "blocks.h"
 
+/* Thresholds of shrinking: of the first order, of one after a believed one, factor after one that
+ * is not, largest. LARGEST: size of an order, in straight lines, that is nothing special. */
+static const double FIRST = 0.5, NEXT = 3.0, STEEPER = 10.0, STEEPEST = 108.0, LARGEST = 3.0;
+
 typedef struct {
     double alpha[P], U[P][P], d[P];           /* U[j]: column j, so that it is in one piece */
     double innovation, leverage;
@@ -92,12 +96,12 @@ static void shrink(solver *s)
     memcpy(s->zeta, z, sizeof z);
 }
 
-/* How much of each nested coefficient is kept; `at` is where the scores are. An order after one that
- * is not believed has to be surer. */
+/* How much of each nested coefficient is kept; `at` is where the scores are. An order has to be
+ * surer after one that is not believed. */
 static void weigh(solver *s, double variance, const blocks *b, int at)
 {
     shrink(s);
-    double line2 = s->zeta[FIRST_SHRUNK - 1] * s->zeta[FIRST_SHRUNK - 1], threshold = 0.5;
+    double line = LARGEST * s->zeta[FIRST_SHRUNK - 1], line2 = line * line, threshold = FIRST;
     for (int m = FIRST_SHRUNK; m < P; ++m) {
         double v[P] = {0}, V = variance * s->d[m], z2 = s->zeta[m] * s->zeta[m], believed = 0.0;
         for (int i = 0; i <= m; ++i) {
@@ -112,7 +116,7 @@ static void weigh(solver *s, double variance, const blocks *b, int at)
         double w = believed * line2 / (line2 + V + 1e-300);
         s->weight[m] = w;
         s->lost2[m] = z2 > V ? (1.0 - w) * (1.0 - w) * (z2 - V) : 0.0;
-        threshold = fmin(3.0 * believed + 6.0 * threshold * (1.0 - believed), 108.0);
+        threshold = fmin(believed * NEXT + (1.0 - believed) * STEEPER * threshold, STEEPEST);
     }
     shrink(s);
 }

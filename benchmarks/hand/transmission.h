@@ -58,7 +58,8 @@ static told tell(const joint_params *joint, const transmission_params *p, transm
     r.noise2 = s->scale * sigma_spread;
     r.wrong2 = r.stiffness * r.stiffness * s->relative2 + s->shift2 + bias2;
     r.stiffness_std = sqrt(r.noise2 + r.wrong2);
-    r.torque_variance = s->scale * torque_spread + r.torque * r.torque * s->relative2 + torque_bias2;
+    r.torque_variance = s->scale * torque_spread + r.torque * r.torque * s->relative2;
+    r.torque_variance += torque_bias2;
     r.status = row->status;
     if (!evaluated || sigma_spread > joint->c.left * p->c.prior * prior) {
         r.status |= PRIOR;

@@ -13,6 +13,8 @@ enum { TERMS = 4, TRANSMISSIONS = 2 };
 #include "transmission.h"
 #include "verdict.h"
 
+static const double LEAST = -0.5;             /* correlation */
+
 typedef struct {
     double time;
     double stiffness, stiffness_std, torque, torque_std, dstiffness;
@@ -36,6 +38,7 @@ typedef struct {
     convergence convergence;
 } joint_state;
 
+/* Errors that seem to cancel are believed no further than LEAST. */
 static void relate(joint_state *s, const double v[2 * P])
 {
     const evidence *a = &s->transmission[0].evidence, *b = &s->transmission[1].evidence;
@@ -43,7 +46,7 @@ static void relate(joint_state *s, const double v[2 * P])
     double both = worst(&s->blocks, 0, 2 * P, v), r = 0.0;
     if (both > 0.0 && V1 > 0.0 && V2 > 0.0) {
         r = (both - V1 - V2) / (2.0 * sqrt(V1 * V2));
-        r = r > 1.0 ? 1.0 : r < -1.0 ? -1.0 : r;
+        r = fmax(fmin(r, 1.0), LEAST);
     }
     s->correlation = r;
     s->noise = sqrt(a->variance + b->variance);

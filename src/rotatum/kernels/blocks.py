@@ -110,9 +110,10 @@ def variance_along(state: Any, k: int, at: int, direction: Any) -> float:
     for i in range(at):
         n = n + v - i
     for i in range(len(direction)):
-        total = total + state.square[k, n] * direction[i] * direction[i]
+        others = 0.0
         for j in range(i + 1, len(direction)):
-            total = total + 2.0 * state.square[k, n + j - i] * direction[i] * direction[j]
+            others = others + state.square[k, n + j - i] * direction[j]
+        total = total + direction[i] * (state.square[k, n] * direction[i] + 2.0 * others)
         n = n + v - at - i
     return total
 
@@ -120,11 +121,12 @@ def variance_along(state: Any, k: int, at: int, direction: Any) -> float:
 def worst(state: Any, at: int, direction: Any) -> float:
     """Variance of the whole sum along ``direction``: the largest over levels with enough blocks."""
     largest = 0.0
-    for k in range(len(state.blocks)):
-        if state.blocks[k] >= ENOUGH:
-            value = variance_along(state, k, at, direction) * correction(state.blocks[k])
-            if value > largest:
-                largest = value
+    k = 0
+    while k < len(state.blocks) and state.blocks[k] >= ENOUGH:  # no level has more than the last
+        value = variance_along(state, k, at, direction) * correction(state.blocks[k])
+        if value > largest:
+            largest = value
+        k = k + 1
     return largest
 
 

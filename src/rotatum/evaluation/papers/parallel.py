@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
+import threading
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import lru_cache
 from typing import TypeVar
 
 from rotatum.evaluation.papers.case import Progress
@@ -12,6 +15,8 @@ __all__ = ["spread"]
 
 J = TypeVar("J")
 R = TypeVar("R")
+
+_LOOK = 0.5  # s between looks at whether the parent is still there
 
 
 def spread(
@@ -24,7 +29,8 @@ def spread(
     """Return ``[function(job) for job in jobs]``, worked on by several processes.
 
     The first job is done here: what it compiles the others find in the kernel cache, whose place
-    (``ROTATUM_CACHE_DIR``) they are told. Workers write no files and end with this process.
+    (``ROTATUM_CACHE_DIR``) they are told. Workers write no files and end with this
+    process, killed or not.
 
     Args:
         function: of a module, so that another process can find it.
@@ -52,10 +58,23 @@ def _results(function: Callable[[J], R], jobs: Sequence[J], workers: int) -> Ite
 
     settings = {k: v for k, v in os.environ.items() if k.startswith("ROTATUM_")}
     pool = Parallel(n_jobs=min(workers, len(rest)), max_nbytes=None, return_as="generator")
-    yield from pool(delayed(_within)(settings, function, job) for job in rest)
+    yield from pool(delayed(_within)(os.getpid(), settings, function, job) for job in rest)
 
 
-def _within(settings: Mapping[str, str], function: Callable[[J], R], job: J) -> R:
+def _within(parent: int, settings: Mapping[str, str], function: Callable[[J], R], job: J) -> R:
     """Work under these settings: a process that is used again may be older than they are."""
+    _leave_with(parent)
     os.environ.update(settings)
     return function(job)
+
+
+@lru_cache(maxsize=1)
+def _leave_with(parent: int) -> None:
+    """End this process soon after its parent: one that is killed cannot say goodbye."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(_LOOK)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from rotatum.evaluation.papers.case import Case, Curve, Figure, Outcome, Plot, Progress, Value
 from rotatum.evaluation.papers.flacco2012 import vsa2
-from rotatum.evaluation.papers.flacco2012.kinematics import differenced, filtered, rms
+from rotatum.evaluation.papers.flacco2012.kinematics import compared, rms
 from rotatum.evaluation.papers.flacco2012.modality import (
     MODALITIES,
     SCORED_FROM,
@@ -55,31 +55,14 @@ def _motion(progress: Progress, quick: bool) -> Outcome:
         values.append(Value(f"{label}, encoders", "mrad", own=MILLI * rms((raw - actual)[seen])))
         values.append(Value(f"{label}, MKKF", "mrad", own=MILLI * rms((found - actual)[seen])))
     figures.append(Figure("fig4", "Deflections (fig. 4)", NOTE_4, TIME, tuple(plots)))
-    velocity = _velocity(log.time, logged, true, values)
-    figures.append(Figure("velocity", "Velocity of motor 2", NOTE_V, TIME, (velocity,)))
+    told, speeds = compared("velocity of motor 2", t, logged["theta2"], true["theta2"], COUNTS)
+    values += told
+    figures.append(Figure("velocity", "Velocity of motor 2", NOTE_V, TIME, speeds))
     torques = _torques(t, logged, runs["RESIDUAL"], values, seen)
     figures.append(Figure("fig5", "Flexibility torques (fig. 5)", NOTE_5, TIME, torques))
     plots = [_stiffness(t, logged, runs, sigma, part) for part in (*ENDS, "total")]
     figures.append(Figure("fig6", "Stiffness (fig. 6)", NOTE_6, TIME, tuple(plots)))
     return Outcome(tuple(values), tuple(figures))
-
-
-def _velocity(t: Array, logged: Channels, true: Channels, values: list[Value]) -> Plot:
-    """Differencing against the filter, on the faster motor."""
-    period = float(t[1] - t[0])
-    actual = np.gradient(true["theta2"], period)
-    rough = differenced(logged["theta2"], period)
-    _, smooth = filtered(logged["theta2"], period, COUNTS)
-    seen = t >= SCORED_FROM
-    for name, found in (("differencing", rough), ("MKKF", smooth)):
-        label = f"velocity of motor 2: rms error, {name}"
-        values.append(Value(label, "rad/s", own=rms((found - actual)[seen])))
-    curves = (
-        Curve("differencing", t, rough, "dotted"),
-        Curve("actual", t, actual, "dashed"),
-        Curve("MKKF", t, smooth),
-    )
-    return Plot("velocity, rad/s", curves)
 
 
 def _torques(

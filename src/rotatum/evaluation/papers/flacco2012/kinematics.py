@@ -8,10 +8,12 @@ from types import SimpleNamespace
 import numpy as np
 from numpy.typing import NDArray
 
+from rotatum.evaluation.papers.case import Curve, Plot, Value
+from rotatum.evaluation.papers.flacco2012.modality import SCORED_FROM
 from rotatum.evaluation.papers.flacco2012.settings import ACCELERATION, BOUNDS, STEEPNESS, Bounds
 from rotatum.kernels import kinematic
 
-__all__ = ["differenced", "filtered", "rms"]
+__all__ = ["compared", "differenced", "filtered", "rms"]
 
 Array = NDArray[np.float64]
 
@@ -54,3 +56,38 @@ def differenced(readings: Array, period: float) -> Array:
 def rms(values: Array) -> float:
     """Return the root mean square."""
     return float(np.sqrt(np.mean(np.square(values))))
+
+
+def compared(
+    what: str, t: Array, readings: Array, positions: Array, counts: float
+) -> tuple[tuple[Value, ...], tuple[Plot, ...]]:
+    """Compare differencing and filter on a motor: rms errors, and plots of both.
+
+    Args:
+        what: name of the velocity.
+        t: (N,) s.
+        readings: (N,) of the encoder, rad.
+        positions: (N,) where the motor truly was, rad.
+        counts: of the encoder per turn.
+    """
+    period = float(t[1] - t[0])
+    actual = np.gradient(positions, period)
+    found = {
+        "differencing": differenced(readings, period),
+        "MKKF": filtered(readings, period, counts)[1],
+    }
+    seen = t >= SCORED_FROM
+    values = tuple(
+        Value(f"{what}: rms error, {name}", "rad/s", own=rms((x - actual)[seen]))
+        for name, x in found.items()
+    )
+    curves = (
+        Curve("differencing", t, found["differencing"], "dotted"),
+        Curve("actual", t, actual, "dashed"),
+        Curve("MKKF", t, found["MKKF"]),
+    )
+    errors = (
+        Curve("differencing", t, found["differencing"] - actual, "dotted"),
+        Curve("MKKF", t, found["MKKF"] - actual),
+    )
+    return values, (Plot("velocity, rad/s", curves), Plot("its error, rad/s", errors))

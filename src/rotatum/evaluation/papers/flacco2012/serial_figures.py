@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from rotatum.estimators.columns import Power
 from rotatum.evaluation.papers.case import Case, Curve, Figure, Map, Outcome, Plot, Progress, Value
 from rotatum.evaluation.papers.flacco2012 import awas
-from rotatum.evaluation.papers.flacco2012.kinematics import differenced, filtered, rms
+from rotatum.evaluation.papers.flacco2012.kinematics import compared, rms
 from rotatum.evaluation.papers.flacco2012.modality import (
     MODALITIES,
     SCORED_FROM,
@@ -47,7 +47,9 @@ def _run(progress: Progress, quick: bool) -> Outcome:
     phi = true["q"] - true["theta"]
     values = [Value("largest deflection", "rad", 0.005, float(np.abs(phi).max()))]
     figures = [_deflection(log.time, phi, runs["RESIDUAL"])]
-    figures.append(_velocity(log.time, logged["theta"], true["theta"], values))
+    told, plots = compared("motor velocity", log.time, logged["theta"], true["theta"], COUNTS)
+    values += told
+    figures.append(Figure("fig12", "Velocity of the motor (fig. 12)", NOTE_12, TIME, plots))
     figures.append(_torque(log.time, logged, runs["RESIDUAL"], values))
     figures.append(_stiffness(log.time, logged["stiffness_true"], runs, joint.records["stiffness"]))
     figures.append(coefficients(log.time, runs["RESIDUAL"], "fig. 15"))
@@ -84,23 +86,6 @@ def _deflection(t: Array, phi: Array, run: Printed) -> Figure:
     found = Curve("MKKF", t, 1e3 * run.out["deflection"])
     plot = Plot("deflection, mrad", (found, Curve("actual", t, 1e3 * phi, "dashed")))
     return Figure("fig11", "Deflection (fig. 11)", NOTE_11, TIME, (plot,))
-
-
-def _velocity(t: Array, readings: Array, true: Array, values: list[Value]) -> Figure:
-    period = float(t[1] - t[0])
-    actual = np.gradient(true, period)
-    rough, (_, smooth) = differenced(readings, period), filtered(readings, period, COUNTS)
-    seen = t >= SCORED_FROM
-    for name, found in (("differencing", rough), ("MKKF", smooth)):
-        error = rms((found - actual)[seen])
-        values.append(Value(f"motor velocity: rms error, {name}", "rad/s", own=error))
-    curves = (
-        Curve("differencing", t, rough, "dotted"),
-        Curve("actual", t, actual, "dashed"),
-        Curve("MKKF", t, smooth),
-    )
-    plot = Plot("motor velocity, rad/s", curves)
-    return Figure("fig12", "Velocity of the motor (fig. 12)", NOTE_12, TIME, (plot,))
 
 
 def _torque(t: Array, logged: dict[str, Array], run: Printed, values: list[Value]) -> Figure:
