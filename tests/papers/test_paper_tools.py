@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import math
 import os
+import subprocess
+import sys
+import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -96,3 +100,36 @@ def test_numbers_json_does_not_have_become_null() -> None:
     }  # fmt: skip
     with pytest.raises(KeyError):
         outcome.value("y")
+
+
+def test_workers_end_with_a_killed_parent() -> None:
+    code = (
+        "import os, time\n"
+        "from rotatum.evaluation.papers.parallel import spread\n"
+        "print(*spread(time.sleep, [0.3] * 6, workers=2))\n"
+        "from joblib.externals.loky import get_reusable_executor\n"
+        "print(*get_reusable_executor(max_workers=2, reuse=True)._processes, flush=True)\n"
+        "time.sleep(60.0)\n"
+    )
+    parent = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+    assert parent.stdout is not None
+    with parent.stdout as told:
+        told.readline()
+        workers = [int(pid) for pid in told.readline().split()]
+        parent.kill()
+        parent.wait()
+    assert len(workers) == 2
+    patience = time.monotonic() + 20.0
+    while any(alive(pid) for pid in workers):
+        assert time.monotonic() < patience
+        time.sleep(0.1)
+
+
+def alive(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    # Where nobody reaps orphans, a dead one stays as a zombie.
+    stat = Path(f"/proc/{pid}/stat")
+    return not stat.exists() or stat.read_text().rpartition(")")[2].split()[0] != "Z"

@@ -27,7 +27,7 @@ def test_a_case_prints_its_table_and_writes_its_page(tmp_path: Path) -> None:
     assert "The paper prints no torques" in done.out
     assert [p.name for p in tmp_path.iterdir()] == ["flacco2012-validation.html"]
     page = (tmp_path / "flacco2012-validation.html").read_text("utf-8")
-    assert page.count("data-plot=") == 2 + 1  # two figures, and the script that looks for them
+    assert page.count("data-plot=") == 2  # figures
 
 
 def test_what_waits_says_so_and_is_no_success(tmp_path: Path) -> None:

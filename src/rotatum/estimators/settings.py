@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from rotatum.errors import MethodError, nearest
+from rotatum.estimators.gains import noise_gain
 from rotatum.models import Device, Joint
 
 METHODS = ("residual", "weak")
@@ -14,6 +15,8 @@ SOLVERS = ("ud", "covariance")
 MOTOR_COLUMNS = ("inertia", "damping", "coulomb", "skew", "transmission_damping", "offset")
 SENSOR_COLUMNS = ("skew", "transmission_damping", "offset")
 DEFAULT_CUTOFF = 300.0
+LOWEST_CUTOFF = 30.0  # of the default: slower, a hand-moved joint would pass no row
+COARSE = 0.03  # counts through the low-pass over the deflection's range
 # A shorter memory holds too few blocks of rows to tell how coloured they are.
 SHORTEST = 0.998
 
@@ -89,10 +92,10 @@ def settle(joint: Joint, device: Device, period: float, request: Request) -> Set
             value=filed.window,
             allowed="[estimator] cutoff",
         )
-    default = min(DEFAULT_CUTOFF, 0.5 / period)
+    default, why = _default_cutoff(joint, method, period)
     cutoff = _cutoff(pick("cutoff", request.cutoff, filed.cutoff, default), method, period, where)
     if reasons["cutoff"] == "default":
-        reasons["cutoff"] = f"default: {DEFAULT_CUTOFF:g} rad/s, at most half the sample rate"
+        reasons["cutoff"] = why
     # A full basis has a constant of its own.
     usual = () if joint.basis.full else ("offset",)
     fit = _fit(pick("fit", request.fit, filed.fit, usual), joint, method, torque, where)
@@ -114,6 +117,30 @@ def _choice(name: str, value: object, allowed: tuple[str, ...], where: str) -> s
         hint = f'Did you mean "{close}"?' if close else None
         raise MethodError(f"unknown {name}", where=where, value=value, allowed=allowed, hint=hint)
     return value
+
+
+def _default_cutoff(joint: Joint, method: str, period: float) -> tuple[float, str]:
+    """300 rad/s, at most half the sample rate; for ``weak`` lower where the encoders are coarse.
+
+    Rows of ``weak`` have no lag bias, so that a lower cutoff costs nothing but speed of reaction.
+    It is lowered until the encoders' counts, through the low-pass, are 3 % of the deflection's
+    range, or to 30 rad/s.
+    """
+    cutoff = min(DEFAULT_CUTOFF, 0.5 / period)
+    why = f"default: {DEFAULT_CUTOFF:g} rad/s, at most half the sample rate"
+    counts = [joint.encoders.resolution(end) or 0.0 for end in ("link", "motor")]
+    noise = math.hypot(*counts) / math.sqrt(12.0)
+    reach = joint.basis.deflection_range
+    if method != "weak" or reach is None:
+        return cutoff, why
+    highest = cutoff
+    while noise * math.sqrt(noise_gain(math.exp(-cutoff * period), 0, period)) > COARSE * reach:
+        if cutoff <= LOWEST_CUTOFF:
+            break
+        cutoff = max(LOWEST_CUTOFF, 0.9 * cutoff)
+    if cutoff < highest:
+        why += f", lowered because the encoders' counts are coarse for a range of {reach:g} rad"
+    return cutoff, why
 
 
 def _cutoff(value: object, method: str, period: float, where: str) -> float:

@@ -35,6 +35,7 @@ SEEDS = 5
 COUNTS = (100, 180, 256, 512, 1024, 2048, 4096, 7000, 10_000, 20_000, 40_000)
 QUICK = (256, 1024, 4096)
 SLOW = 100.0  # rad/s, a cutoff for coarse encoders
+FINAL = ", final law"  # end of the names of what is scored by the last coefficients
 SMALL, LARGE = 1024, 4096  # counts the paper's method and weak are compared at
 
 Scores = dict[str, float]
@@ -70,14 +71,14 @@ def _scores(papers: Device, device: Device, log: Log, settings: PaperSettings) -
         run = printed(papers, log, modality, settings, WIDE_BOUNDS)
         found[modality] = score(log, run.out["stiffness"], truth)[1]
         if modality == "RESIDUAL":
-            found["RESIDUAL, final law"] = score(log, total(papers, log, run.laws), truth, 0.0)[1]
+            found[f"RESIDUAL{FINAL}"] = score(log, total(papers, log, run.laws), truth, 0.0)[1]
     fast = printed(papers, log, "RESIDUAL", settings, BOUNDS)
     found["RESIDUAL, section 6"] = score(log, fast.out["stiffness"], truth)[1]
     for name, cutoff in (("weak", None), ("weak, 100 rad/s", SLOW)):
         joint = weak(device, log, cutoff=cutoff)
         found[name] = score(log, joint.records["stiffness"], truth)[1]
         law = weak_law(device, joint)
-        found[f"{name}, final law"] = score(log, total(device, log, law), truth, 0.0)[1]
+        found[f"{name}{FINAL}"] = score(log, total(device, log, law), truth, 0.0)[1]
     return found
 
 
@@ -99,14 +100,27 @@ def _run(
         for number in counts
     }
     values = [line for number in counts for line in _lines(number, medians[number])]
-    x = np.array(counts, np.float64)
+    drawn = (
+        _drawn(medians, figure, "on line", "", note),
+        _drawn(medians, figure, "final law", FINAL, note),
+    )
+    return Outcome(tuple(values), drawn, _compared(medians))
+
+
+def _drawn(
+    medians: Mapping[int, Mapping[str, float]], figure: str, scored: str, end: str, note: str
+) -> Figure:
+    """MSREP by resolution of the methods that are scored this way."""
+    names = [name for name in next(iter(medians.values())) if name.endswith(FINAL) == bool(end)]
+    x = np.array(list(medians), np.float64)
     curves = tuple(
-        Curve(name, x, np.array([medians[number][name] for number in counts])) for name in names
+        Curve(name.removesuffix(end), x, np.array([found[name] for found in medians.values()]))
+        for name in names
     )
     plot = Plot("MSREP, %", curves, logarithmic=True)
-    title = f"MSREP against encoder resolution ({figure})"
-    drawn = Figure(figure.replace(". ", ""), title, note, "counts per turn", (plot,), True)
-    return Outcome(tuple(values), (drawn,), _compared(medians))
+    title = f"MSREP against encoder resolution, {scored} ({figure})"
+    key = f"{figure.replace('. ', '')}-{scored.replace(' ', '-')}"
+    return Figure(key, title, note, "counts per turn", (plot,), logarithmic=True)
 
 
 def _lines(number: int, found: Mapping[str, float]) -> list[Value]:
@@ -134,7 +148,7 @@ def _compared(medians: Mapping[int, Mapping[str, float]]) -> tuple[str, ...]:
     coarse, fine = medians[SMALL], medians[LARGE]
     said = ["Medians over the noise seeds. The paper's curves are not given in numbers."]
     for cutoff, name in (("default cutoff", "weak"), ("cutoff 100 rad/s", "weak, 100 rad/s")):
-        for scored, end in (("on line", ""), ("final law", ", final law")):
+        for scored, end in (("on line", ""), ("final law", FINAL)):
             ours, theirs = coarse[name + end], fine["RESIDUAL" + end]
             word = "better" if ours < theirs else "worse"
             said.append(
