@@ -24,7 +24,7 @@ demo: $(VENV)/.core
 	$(BIN)/rotatum demo -o $(DEMO)
 
 test: $(VENV)/.test
-	$(BIN)/python -m pytest $(ARGS)
+	$(BIN)/python -m pytest --numprocesses auto --dist loadfile $(ARGS)
 
 check: $(VENV)/.dev
 	$(BIN)/ruff format --check .

@@ -16,7 +16,7 @@ MOTOR_COLUMNS = ("inertia", "damping", "coulomb", "skew", "transmission_damping"
 SENSOR_COLUMNS = ("skew", "transmission_damping", "offset")
 DEFAULT_CUTOFF = 300.0
 LOWEST_CUTOFF = 30.0  # of the default: slower, a hand-moved joint would pass no row
-COARSE = 0.03  # counts through the low-pass over the deflection's range
+COARSE = 0.005  # counts through the low-pass over the deflection's range
 # A shorter memory holds too few blocks of rows to tell how coloured they are.
 SHORTEST = 0.998
 
@@ -123,8 +123,8 @@ def _default_cutoff(joint: Joint, method: str, period: float) -> tuple[float, st
     """300 rad/s, at most half the sample rate; for ``weak`` lower where the encoders are coarse.
 
     Rows of ``weak`` have no lag bias, so that a lower cutoff costs nothing but speed of reaction.
-    It is lowered until the encoders' counts, through the low-pass, are 3 % of the deflection's
-    range, or to 30 rad/s.
+    It is lowered until the encoders' counts, through the low-pass, are half a per cent of the
+    deflection's range, or to 30 rad/s.
     """
     cutoff = min(DEFAULT_CUTOFF, 0.5 / period)
     why = f"default: {DEFAULT_CUTOFF:g} rad/s, at most half the sample rate"
