@@ -125,9 +125,10 @@ static double total_std(double r, const told *a, const told *b)
     return sqrt(fmax(noise2 + wrong2, 0.0));
 }
 
+/* The sign of what torques share follows the deflections: the worse of both. */
 static double total_torque_std(double r, double a, double b)
 {
-    return sqrt(fmax(a + b + 2.0 * r * sqrt(a * b), 0.0));
+    return sqrt(a + b + 2.0 * fabs(r) * sqrt(a * b));
 }
 
 static void read_out(const joint_params *p, joint_state *s, double time, int counted,

@@ -17,6 +17,7 @@ FOLDER = Path(__file__).parent
 SAMPLES = 4000
 EVERY = 100
 FIELDS = ("stiffness", "stiffness_std", "torque", "dstiffness", "noise", "verdict", "status")
+PAIR = ("correlation", "part_stiffness", "part_stiffness_std")
 
 
 def faulty(example: Example) -> Example:
@@ -28,16 +29,16 @@ def faulty(example: Example) -> Example:
     u["time"][1500] = u["time"][1499]
     u["time"][2000:] += 0.005
     u["time"][2500:] += 0.5
-    u["theta"][3000] += 1.0
+    u["theta" if "theta" in u.dtype.names else "theta1"][3000] += 1.0
     return example._replace(inputs=u)
 
 
 def replay(example: Example) -> np.ndarray:
-    """Return (rows, fields of both joints) of every hundredth sample."""
+    """Return (rows, fields of both joints) of every hundredth sample; of a pair, both sides'."""
     out = Bank(example.stage, example.params).run(faulty(example).inputs)[::EVERY]
-    names = [f for f in FIELDS if f in out.dtype.names] or ["x"]
+    names = [f for f in (*FIELDS, *PAIR) if f in out.dtype.names] or ["x"]
     columns = [out[f][:, j].astype(float) for f in names for j in range(out.shape[1])]
-    return np.stack(columns, axis=1)
+    return np.column_stack(columns)
 
 
 def examples() -> dict[str, Example]:
@@ -46,6 +47,8 @@ def examples() -> dict[str, Example]:
 
 
 if __name__ == "__main__":
+    for old in FOLDER.glob("*.csv"):
+        old.unlink()  # of stages there are no more
     for name, example in examples().items():
         np.savetxt(FOLDER / f"{name}.csv", replay(example), fmt="%.12g", delimiter=",")
         print(name)

@@ -29,17 +29,19 @@ from tests.kernels.make import Sines, plain, record
 from tests.kernels.rowbank import PairBank, RowBank
 
 TRUTH = np.array([[3.0, 40.0], [-2.0, 25.0]])  # agonist, antagonist; the spring's column is last
+LARGER = 2.5  # deflections of the antagonist
 
 
 def rows(seed, n, joints, *, rho, sign=1.0, slow=0.95):
-    """Rows of both sides whose noises correlate by ``rho``, regressors the same but for ``sign``.
+    """Rows of both sides whose noises correlate by ``rho``, regressors the same but for a factor.
 
-    Least squares then has errors in the springs' coefficients that correlate by ``sign rho``.
+    Least squares then has errors in the springs' coefficients that correlate by ``sign rho``, the
+    antagonist's ``LARGER`` times smaller.
     """
     rng = np.random.default_rng(seed)
     colour = [math.sqrt(1.0 - slow**2)], [1.0, -slow]
     one = signal.lfilter(*colour, rng.standard_normal((n, joints, 1, 2)), axis=0)
-    R = np.concatenate([one, sign * one], axis=2)
+    R = np.concatenate([one, sign * LARGER * one], axis=2)
     noise = rng.standard_normal((n, joints, 2))
     noise[..., 1] = rho * noise[..., 0] + math.sqrt(1.0 - rho**2) * noise[..., 1]
     return R, (R * TRUTH).sum(axis=3) + signal.lfilter(*colour, noise, axis=0)
@@ -115,7 +117,8 @@ def test_noise_adds_with_its_correlation_and_systematic_errors_straight(r):
     out = told(*readings(), correlation=r)
     noise = 1.0 + 9.0 + 2.0 * r * 1.0 * 3.0
     assert out.stiffness_std == pytest.approx(math.sqrt(noise + (0.5 + 1.5) ** 2))
-    assert out.torque_std == pytest.approx(math.sqrt(noise))  # parts of 1 and 3
+    # Parts of 1 and 3; the sign of what their torques share depends on the deflections'.
+    assert out.torque_std == pytest.approx(math.sqrt(1.0 + 9.0 + 2.0 * abs(r) * 3.0))
 
 
 def test_a_total_may_be_sure_where_its_parts_are_not():
@@ -155,9 +158,9 @@ def test_a_known_correlation_is_found_and_makes_the_interval_right(rho, sign):
     total = np.abs(out["stiffness"] - TRUTH[:, 1].sum())
     covered = (total < 1.96 * out["stiffness_std"]).mean()
     assert 0.90 <= covered <= 0.99
-    # Of the width for independent errors: variances 1, 1 and 2 r against 1, 1 and 0.
+    # Of the width for independent errors: variances n, m and 2 r sqrt(n m) against n and m.
     apart = np.hypot(*out["part_stiffness_std"].T)
-    expected = math.sqrt(1.0 + r)
+    expected = math.sqrt(1.0 + 2.0 * r * LARGER / (1.0 + LARGER**2))
     assert np.median(out["stiffness_std"] / apart) == pytest.approx(expected, rel=0.1)
 
 
@@ -167,7 +170,8 @@ def test_errors_that_seem_to_cancel_are_believed_to_a_half():
     assert out["correlation"].min() == pair.LEAST == -0.5
     assert np.median(out["correlation"]) == pair.LEAST
     apart = np.hypot(*out["part_stiffness_std"].T)
-    assert (out["stiffness_std"] >= math.sqrt(1.0 + pair.LEAST) * apart.min()).all()
+    # 1 - sqrt(n_1 n_2) / (n_1 + n_2) of the variance of independent errors, a half at least.
+    assert (out["stiffness_std"] > 0.999 * math.sqrt(0.5) * apart).all()
     total = np.abs(out["stiffness"] - TRUTH[:, 1].sum())
     assert (total < 1.96 * out["stiffness_std"]).mean() > 0.95
 

@@ -151,11 +151,9 @@ def tell(
         out.stiffness_std = math.sqrt(variance)
     s = first.reading.torque_std
     t = second.reading.torque_std
-    common = 2.0 * pair.correlation * s * t
-    variance = s * s + t * t + common
-    out.torque_std = 0.0
-    if variance > 0.0:
-        out.torque_std = math.sqrt(variance)
+    # Its sign follows the deflections', and what is systematic is in it too: the worse of both.
+    common = 2.0 * math.fabs(pair.correlation) * s * t
+    out.torque_std = math.sqrt(s * s + t * t + common)
     status = first.reading.status | second.reading.status
     status = status - (status & WIDE)
     amiss = first.evidence.wrong | second.evidence.wrong
