@@ -121,19 +121,23 @@ static void weigh(solver *s, double variance, const blocks *b, int at)
     shrink(s);
 }
 
-/* c^T P c, P shrunk, for c without offset; `bias2` is the square of what shrinking may take. */
-static double spread(const solver *s, const double c[TERMS], double *bias2)
+/* c^T P c, P shrunk, for c without offset; `bias2` is the square of what shrinking may take,
+ * `plain` the same without shrinking. */
+static double spread(const solver *s, const double c[TERMS], double *bias2, double *plain)
 {
-    double total = 0.0, bias = 0.0;
+    double total = 0.0, bias = 0.0, all = 0.0;
     for (int j = 1; j < P; ++j) {
         double x = c[j - 1];
         for (int i = 1; i < j; ++i) {
             x += s->U[j][i] * c[i - 1];
         }
-        total += s->weight[j] * s->d[j] * x * x;
+        double own = s->d[j] * x * x;
+        total += s->weight[j] * own;
+        all += own;
         bias += s->lost2[j] * x * x;
     }
     *bias2 = bias;
+    *plain = all;
     return total;
 }
 

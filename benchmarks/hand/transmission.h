@@ -52,16 +52,16 @@ static told tell(const joint_params *joint, const transmission_params *p, transm
         /* Not judged yet: the residuals so far, or anything while there is none. */
         s->scale = s->rows > 0.0 ? s->squares / s->rows : 1.0;
     }
-    double bias2, torque_bias2;
-    double sigma_spread = spread(&t->ls, row->D, &bias2);
-    double torque_spread = spread(&t->ls, row->F, &torque_bias2);
+    double bias2, torque_bias2, plain, unused;
+    double sigma_spread = spread(&t->ls, row->D, &bias2, &plain);
+    double torque_spread = spread(&t->ls, row->F, &torque_bias2, &unused);
     r.noise2 = s->scale * sigma_spread;
     r.wrong2 = r.stiffness * r.stiffness * s->relative2 + s->shift2 + bias2;
     r.stiffness_std = sqrt(r.noise2 + r.wrong2);
     r.torque_variance = s->scale * torque_spread + r.torque * r.torque * s->relative2;
     r.torque_variance += torque_bias2;
     r.status = row->status;
-    if (!evaluated || sigma_spread > joint->c.left * p->c.prior * prior) {
+    if (!evaluated || plain > joint->c.left * p->c.prior * prior) {
         r.status |= PRIOR;
     }
     if (1.96 * r.stiffness_std > joint->c.starved * fabs(r.stiffness)

@@ -49,12 +49,13 @@ if level > 0.0:
 
 DEVIATE = """sigma_spread = {spread}state.row.D)
 sigma_bias2 = {bias2}
+unshrunk = {unshrunk}
 torque_spread = {spread}state.row.F)
 readout_deviations(
     state.readout, state.evidence, sigma_spread, sigma_bias2, torque_spread, {bias2}, out
 )
 return readout_status_of(
-    params.readout, state.evidence, params.evidence, state.row, sigma_spread, out
+    params.readout, state.evidence, params.evidence, state.row, unshrunk, out
 )"""
 
 TELL = """{apply}readout_read(state.row, {alpha}, out)
@@ -74,6 +75,7 @@ PLAIN = {
     "multiply": "solver_multiply(state.solver, ",
     "spread": "solver_spread(state.solver, ",
     "bias2": "0.0",
+    "unshrunk": "sigma_spread",
     "lost2": "0.0",
     "apply": "",
     "weigh": "",
@@ -83,6 +85,7 @@ SHRUNK = {
     "multiply": "shrink_multiply(state.shrink, state.solver, ",
     "spread": "shrink_spread(state.shrink, state.solver, ",
     "bias2": "state.shrink.bias2",
+    "unshrunk": "state.shrink.unshrunk",
     "lost2": "shrink_lost2(state.shrink, state.solver, state.evidence.unit)",
     "apply": "shrink_apply(state.shrink, state.solver)\n",
     "weigh": "shrink_weigh(\n    params.shrink, state.shrink, state.solver, "

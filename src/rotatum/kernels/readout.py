@@ -133,15 +133,18 @@ def status_of(
     evidence: Any,
     evidence_params: Any,
     row: Any,
-    sigma_spread: float,
+    unshrunk: float,
     out: Any,
 ) -> int:
-    """Status bits: what the row says, and whether the data have told anything at all."""
+    """Status bits: what the row says, and whether the data have told anything at all.
+
+    ``unshrunk`` is the stiffness' variance over the rows' had nothing been shrunk.
+    """
     prior = 0.0
     for i in range(len(row.D)):
         prior = prior + evidence_params.spread[i] * row.D[i] * row.D[i]
     status: int = row.status
-    if evidence.evaluated == 0 or sigma_spread > params.shrink * prior:
+    if evidence.evaluated == 0 or unshrunk > params.shrink * prior:
         status = status | PRIOR
     wide = 1.96 * out.stiffness_std > params.starved * math.fabs(out.stiffness)
     if wide and 1.96 * evidence_params.accuracy > params.starved * evidence.deflection:

@@ -43,6 +43,7 @@ class ShrinkState(Record):
     lost2 = vector("p", "square of what shrinking may have taken from it", unit="(N m)^2")
     zeta = vector("p", "nested coefficients", unit="N m", symbol="zeta")
     direction = vector("p", "scratch: what a unit of each score does to zeta_m")
+    unshrunk = number("variance along it over the rows' noise had nothing been shrunk")
     bias2 = number("square of what shrinking may have taken, along the last direction asked for")
 
 
@@ -111,16 +112,24 @@ def _believed(z2: float, V: float, threshold: float) -> float:
 
 
 def spread(state: Any, solver: Any, c: Any) -> float:
-    """Return ``c^T U diag(w d) U^T c``, P with the prior the weights stand for; set ``bias2``."""
+    """Return ``c^T U diag(w d) U^T c``, P with the prior the weights stand for.
+
+    Sets ``bias2``, and ``unshrunk``: a direction the data have never seen looks sure once its
+    weights are 0, and only that says it is not.
+    """
     total = 0.0
     bias2 = 0.0
+    unshrunk = 0.0
     for j in range(len(state.alpha)):
         s = c[j]
         for i in range(j):
             s = s + solver.U[i, j] * c[i]
-        total = total + state.weight[j] * solver.d[j] * s * s
+        own = solver.d[j] * s * s
+        total = total + state.weight[j] * own
+        unshrunk = unshrunk + own
         bias2 = bias2 + state.lost2[j] * s * s
     state.bias2 = bias2
+    state.unshrunk = unshrunk
     return total
 
 
