@@ -54,11 +54,9 @@ KINDS: tuple[tuple[str, Request], ...] = (
     ("series", Request("weak", fit=("coulomb", "offset"))),
     ("series", Request("weak", torque="sensor", fit=("offset",), shrinkage=False)),
     ("series", Request("residual", solver="covariance", fit=("offset",))),
-    ("series", Request("residual", torque="sensor", fit=("offset",))),
     ("serial", Request("weak", fit=("offset",))),
     ("serial", Request("residual", torque="model", fit=())),
     ("antagonistic", Request("weak", fit=("offset",))),
-    ("antagonistic", Request("residual", torque="sensor", fit=())),
 )
 """Actuation and settings of the examples: enough to reach every kernel."""
 
