@@ -9,12 +9,13 @@ DEMO   ?= rotatum-demo
 BIN     := $(VENV)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt --editable
 
-.PHONY: help demo test check bench docs clean
+.PHONY: help demo test test-all check bench docs clean
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make demo    a log with known truth through every method; the report goes to $(DEMO)/"
 	@echo "make test    the tests"
+	@echo "make test-all  with the paper's larger cases, some minutes more"
 	@echo "make check   formatting, lint, types, import contracts, kernel subset, house rules, docs"
 	@echo "make bench   the benchmarks (needs a C compiler)"
 	@echo "make docs    the documentation, into docs/_build/html/"
@@ -25,6 +26,9 @@ demo: $(VENV)/.core
 
 test: $(VENV)/.test
 	$(BIN)/python -m pytest --numprocesses auto --dist loadfile $(ARGS)
+
+test-all: export ROTATUM_SLOW = 1
+test-all: test
 
 check: $(VENV)/.dev
 	$(BIN)/ruff format --check .

@@ -16,6 +16,16 @@ settings.load_profile("rotatum")
 ROOT = Path(__file__).resolve().parent.parent
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Skip, saying so, what takes minutes of compilation, unless it is asked for."""
+    if os.environ.get("ROTATUM_SLOW", "0") != "0":
+        return
+    reason = pytest.mark.skip(reason="minutes of compilation: ROTATUM_SLOW=1, or make test-all")
+    for item in items:
+        if item.get_closest_marker("slow"):
+            item.add_marker(reason)
+
+
 @pytest.fixture(scope="session")
 def project() -> Path:
     """The checkout's top folder."""

@@ -52,6 +52,7 @@ def test_table1_by_weak_with_defaults(name: str) -> None:
     assert max(found) <= 0.008
 
 
+@pytest.mark.slow
 def test_table2_with_the_papers_settings() -> None:
     outcome = quickly(table2.CASE)
     line = outcome.value("RESIDUAL, MSREP")
@@ -76,6 +77,7 @@ def test_table2_by_weak_with_defaults() -> None:
     assert max(found) <= 0.03
 
 
+@pytest.mark.slow
 def test_table2_does_not_see_the_unit_of_the_lever_arm() -> None:
     told = table2.units()
     assert told.difference <= 1e-9
@@ -83,6 +85,7 @@ def test_table2_does_not_see_the_unit_of_the_lever_arm() -> None:
     assert told.millimetres < 0.05
 
 
+@pytest.mark.slow
 def test_fig23_weak_at_1024_counts_beats_the_paper_at_4096() -> None:
     outcome = quickly(encoders.ANTAGONISTIC)
     ours = outcome.value("1024 counts: RESIDUAL, MSREP").weak
@@ -94,6 +97,7 @@ def test_fig23_weak_at_1024_counts_beats_the_paper_at_4096() -> None:
     assert ours < 0.5 * min(section6, section7)
 
 
+@pytest.mark.slow
 def test_fig24_weak_at_1024_counts_beats_the_paper_at_4096() -> None:
     outcome = quickly(encoders.SERIAL)
     theirs = outcome.value("4096 counts: RESIDUAL, final law, MSREP").own
@@ -104,6 +108,7 @@ def test_fig24_weak_at_1024_counts_beats_the_paper_at_4096() -> None:
         assert found < theirs
 
 
+@pytest.mark.slow
 def test_validation_predicts_the_torque_of_another_motion() -> None:
     outcome = quickly(VALIDATION)
     for name in ("awas", "vsa-ii"):
@@ -113,6 +118,7 @@ def test_validation_predicts_the_torque_of_another_motion() -> None:
             assert error <= 1.0
 
 
+@pytest.mark.slow
 def test_section_8_finds_the_spring_and_not_the_nominal_one() -> None:
     outcome = quickly(EXPERIMENT)
     for name in ("SENSOR", "RESIDUAL"):
@@ -131,6 +137,7 @@ def test_section_8_finds_the_spring_and_not_the_nominal_one() -> None:
     assert wrong.own == pytest.approx(100.0 * (14_220.0 / 10_700.0 - 1.0) ** 2, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_figures_of_the_awas() -> None:
     outcome = quickly(FIGURES)
     assert outcome.value("eta_02").own == pytest.approx(0.0284, rel=0.05)
@@ -146,6 +153,7 @@ def test_figures_of_the_awas() -> None:
     assert smooth < 0.3 * rough
 
 
+@pytest.mark.slow
 def test_figures_of_the_vsa2() -> None:
     outcome = quickly(MOTION)
     for end in ("1", "2", "total"):
@@ -163,6 +171,7 @@ def test_figures_of_the_vsa2() -> None:
     assert all(share is not None and abs(share) < 0.1 for share in last)  # negligible: per cent
 
 
+@pytest.mark.slow
 def test_constant_factors_are_worse_than_eq_41() -> None:
     outcome = quickly(STABILITY)
     varying = outcome.value("MSREP, a(k) of eq. 41").own

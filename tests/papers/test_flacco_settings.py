@@ -44,6 +44,7 @@ def test_vsa2_residual_is_the_printed_one() -> None:
     assert 0.5e-3 < np.sqrt(np.mean(error**2)) < 2e-3
 
 
+@pytest.mark.slow
 def test_awas_is_the_printed_recursion_in_millimetres() -> None:
     device = awas.device(awas.PAPER_ORDERS)
     log = awas.motion(device, 0)
@@ -74,6 +75,7 @@ def test_the_prior_is_what_keeps_model_off() -> None:
     assert wide < 0.1 * own
 
 
+@pytest.mark.slow
 def test_the_stability_factor_of_eq_41_is_within_its_bounds() -> None:
     rng = np.random.default_rng(3)
     F = rng.standard_normal((200, 3))

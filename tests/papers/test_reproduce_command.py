@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
+
 from rotatum.evaluation.papers.case import Case, Curve, Figure, Map, Outcome, Plot, Value
 from rotatum.evaluation.papers.catalogue import PAPERS
 from rotatum.report.case_page import case_page
@@ -20,7 +22,10 @@ def test_without_a_paper_the_cases_are_listed() -> None:
     assert list(listed["flacco2012"]) == [case.name for case in PAPERS["flacco2012"].cases]
 
 
-def test_a_case_prints_its_table_and_writes_its_page(tmp_path: Path) -> None:
+def test_a_case_prints_its_table_and_writes_its_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "160")  # a narrow terminal folds the labels
     done = run("reproduce", "flacco2012:validation", "-o", tmp_path, "--quick")
     assert done.code == 0
     assert "rms error over rms torque" in done.out
