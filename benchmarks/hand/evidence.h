@@ -130,7 +130,8 @@ static void renew_coefficient(const transmission_params *p, evidence *s, const s
     unit[j] = 1.0;
     multiply(ls, unit, v, &bias2);
     double own = s->variance * v[j], coloured = worst(b, at, P, v);
-    double shift = bias_along(p, s, ls, v);
+    double own_noise = j == 1 ? s->rows * p->c.noise * v[j] : 0.0;
+    double shift = bias_along(p, s, ls, v) / (1.0 - fmin(own_noise, 0.99));
     s->std[j] = sqrt((coloured > own ? coloured : own) + shift * shift + bias2);
     s->std_turn = j + 1 < P ? j + 1 : 0;
 }

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rotatum.evaluation import Estimate
-from rotatum.report.results import FITTED, Line, cells, fitted_lines, lines
+from rotatum.report.results import FITTED, TITLES, Line, cells, fitted_lines, lines
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -83,19 +83,10 @@ def _results(estimate: Estimate, told: Sequence[Line]) -> Table:
         f"{estimate.device.name}: {estimate.method}, {estimate.side} side, torque "
         f"{estimate.torque}; {estimate.samples:,} samples, {estimate.seconds:.4g} s"
     )
-    titles = {
-        "name": "joint",
-        "stiffness": "stiffness",
-        "relative": "interval",
-        "external": "with gravity",
-        "verdict": "verdict",
-        "since": "first informative",
-        "torque": "torque rms",
-    }
-    head, rows = cells(told, titles)
+    head, rows = cells(told, TITLES)
     table = table_of(*head, title=title)
     table.padding = (0, 1, 0, 0)
-    verdict = head.index(titles["verdict"])
+    verdict = head.index(TITLES["verdict"])
     # A narrow terminal folds the other columns.
     for place in (0, verdict):
         table.columns[place].no_wrap = True

@@ -35,7 +35,7 @@ evidence_verdict_bits(
 
 RENEW = """{multiply}state.evidence.unit, state.evidence.column)
 evidence_coefficient(
-    params.evidence, state.evidence, sums, {alpha}, state.evidence.turn, at, {lost2}
+    params.evidence, state.evidence, sums, {alpha}, state.evidence.turn, at, {bias2}
 )
 state.evidence.turn = state.evidence.turn + 1
 if state.evidence.turn >= {columns}:
@@ -76,7 +76,6 @@ PLAIN = {
     "spread": "solver_spread(state.solver, ",
     "bias2": "0.0",
     "unshrunk": "sigma_spread",
-    "lost2": "0.0",
     "apply": "",
     "weigh": "",
 }
@@ -86,7 +85,6 @@ SHRUNK = {
     "spread": "shrink_spread(state.shrink, state.solver, ",
     "bias2": "state.shrink.bias2",
     "unshrunk": "state.shrink.unshrunk",
-    "lost2": "shrink_lost2(state.shrink, state.solver, state.evidence.unit)",
     "apply": "shrink_apply(state.shrink, state.solver)\n",
     "weigh": "shrink_weigh(\n    params.shrink, state.shrink, state.solver, "
     "state.evidence.variance, sums, at\n)\n",
@@ -178,6 +176,6 @@ def _kernels(rows_stage: Stage, solver: Solver) -> dict[str, Any]:
         found[f"evidence_{name}"] = getattr(evidence, name)
     for name in ("init", "read", "deviations", "status_of", "decide"):
         found[f"readout_{name}"] = getattr(readout, name)
-    for name in ("init", "apply", "weigh", "spread", "lost2", "multiply"):
+    for name in ("init", "apply", "weigh", "spread", "multiply"):
         found[f"shrink_{name}"] = getattr(shrink, name)
     return found

@@ -20,6 +20,7 @@ MOMENTS = 8
 DUE = 8  # blocks of level 0 between evaluations
 STREAK = 3  # evaluations in a row before a probe is believed
 SETTLED = 8  # evaluations before coefficients and noise level are to be relied on
+FAINTEST = 0.99  # share of a column that noise may be: beyond, its coefficient says nothing
 CONFIDENT = 2.5  # of a self-normalised sum over >= 8 blocks: one in 700 by chance
 
 
@@ -240,13 +241,18 @@ def coefficient(
 ) -> None:
     """Renew one coefficient's standard deviation, ``column`` being P's column j.
 
-    ``bias2`` is the square of what shrinking may have taken from it.
+    ``bias2`` is the square of what shrinking may have taken from it. Noise in the column itself
+    attenuates the coefficient by ``1 - a``, ``a = n v P_jj``; what is seen is the attenuated one, so
+    that its bias is larger by ``1 / (1 - a)``.
     """
     own = state.variance * state.column[j]
     worst = blocks.worst(sums, at, state.column)
     if worst > own:
         own = worst
-    shift = _shift(params, state, state.column, alpha)
+    a = state.rows * params.noise[j] * state.column[j]
+    if a > FAINTEST:
+        a = FAINTEST
+    shift = _shift(params, state, state.column, alpha) / (1.0 - a)
     state.deviation[j] = math.sqrt(own + shift * shift + bias2)
 
 

@@ -133,26 +133,18 @@ def spread(state: Any, solver: Any, c: Any) -> float:
     return total
 
 
-def lost2(state: Any, solver: Any, c: Any) -> float:
-    """Return the square of what shrinking may have taken from ``c^T alpha``."""
-    total = 0.0
-    for j in range(len(state.alpha)):
-        s = c[j]
-        for i in range(j):
-            s = s + solver.U[i, j] * c[i]
-        total = total + state.lost2[j] * s * s
-    return total
-
-
 def multiply(state: Any, solver: Any, c: Any, out: Any) -> None:
-    """Write ``U diag(w d) U^T c`` to ``out``: what each score does to ``c^T alpha'``."""
+    """Write ``U diag(w d) U^T c`` to ``out``: each score's effect on ``c^T alpha'``; set ``bias2``."""
+    bias2 = 0.0
     for i in range(len(state.alpha)):
         out[i] = 0.0
     for j in range(len(state.alpha)):
         s = c[j]
         for i in range(j):
             s = s + solver.U[i, j] * c[i]
+        bias2 = bias2 + state.lost2[j] * s * s
         s = s * solver.d[j] * state.weight[j]
         for i in range(j):
             out[i] = out[i] + solver.U[i, j] * s
         out[j] = out[j] + s
+    state.bias2 = bias2

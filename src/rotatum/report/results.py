@@ -10,7 +10,7 @@ from rotatum.evaluation import Estimate, JointEstimate
 from rotatum.evaluation.parts import PartEstimate
 from rotatum.report.words import fitted_unit, measure, number
 
-__all__ = ["FITTED", "Line", "answer", "cells", "fitted_lines", "lines"]
+__all__ = ["FITTED", "TITLES", "Line", "answer", "cells", "fitted_lines", "lines"]
 
 
 class Line(NamedTuple):
@@ -45,6 +45,17 @@ class Line(NamedTuple):
     covered: str = ""
     scored: str = ""
 
+
+TITLES = {
+    "name": "joint",
+    "stiffness": "stiffness",
+    "relative": "interval",
+    "external": "with gravity",
+    "verdict": "verdict",
+    "since": "first informative",
+    "torque": "torque rms",
+}
+"""Titles of the columns every table of results has; which cells of a `Line` they head."""
 
 FITTED = ("joint", "fitted", "value")
 """Titles of `fitted_lines`."""

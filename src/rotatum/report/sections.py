@@ -7,7 +7,7 @@ from rotatum.kernels.status import TABLE, VERDICTS
 from rotatum.report.html import escape, table, tag, typeset
 from rotatum.report.palette import VERDICT_COLOURS, VERDICT_MEANINGS
 from rotatum.report.references import reference
-from rotatum.report.results import FITTED, answer, cells, fitted_lines, lines
+from rotatum.report.results import FITTED, TITLES, answer, cells, fitted_lines, lines
 from rotatum.report.view import View
 
 __all__ = ["footer", "header", "joint_facts", "joint_head"]
@@ -139,14 +139,7 @@ def _links(estimate: Estimate) -> str:
 
 
 def _results(estimate: Estimate) -> str:
-    titles = {
-        "name": "joint",
-        "stiffness": "stiffness",
-        "relative": "interval",
-        "external": "with gravity",
-        "verdict": "verdict",
-        "since": "first informative",
-        "torque": "torque rms",
+    titles = TITLES | {
         "mean": "mean",
         "lowest": "lowest",
         "highest": "highest",

@@ -4,21 +4,15 @@ from __future__ import annotations
 
 import math
 
+from rotatum.models.laws.bounded import LARGEST, bounded
 from rotatum.models.laws.law import Array, Constant, Law, Vector
 
 __all__ = ["EXPONENTIAL"]
 
-LARGEST = 300.0  # of ke phi: exp(300) is 2e130, and squares of it are still numbers
-
 
 def up(c: Vector, phi: float) -> float:
     """Return ``exp(ke phi)``, the exponent kept where the result is finite."""
-    x = c[1] * phi
-    if x > LARGEST:
-        x = LARGEST
-    if x < -LARGEST:
-        x = -LARGEST
-    return math.exp(x)
+    return math.exp(bounded(c[1] * phi))
 
 
 def energy(c: Vector, phi: float, s: float) -> float:

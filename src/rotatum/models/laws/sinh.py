@@ -4,21 +4,15 @@ from __future__ import annotations
 
 import math
 
+from rotatum.models.laws.bounded import LARGEST, bounded
 from rotatum.models.laws.law import Array, Constant, Law, Vector
 
 __all__ = ["SINH"]
 
-LARGEST = 300.0  # of a phi: exp(300) is 2e130, and squares of it are still numbers
-
 
 def argument(c: Vector, phi: float) -> float:
     """Return ``a phi``, kept where the exponential function is finite."""
-    x = c[1] * phi
-    if x > LARGEST:
-        x = LARGEST
-    if x < -LARGEST:
-        x = -LARGEST
-    return x
+    return bounded(c[1] * phi)
 
 
 def sine(x: float) -> float:
