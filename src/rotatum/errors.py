@@ -13,6 +13,8 @@ __all__ = [
     "MethodError",
     "OutputError",
     "RotatumError",
+    "ScenarioError",
+    "SimulationError",
     "nearest",
 ]
 
@@ -66,6 +68,21 @@ class OutputError(RotatumError):
 
 class DatasetError(RotatumError):
     """A public data set that is unknown, unreachable or damaged."""
+
+
+class ScenarioError(RotatumError):
+    """A scenario file or name that cannot be used."""
+
+
+class SimulationError(RotatumError):
+    """A motion that left the range of a law, or diverged.
+
+    Attributes
+    ----------
+    log : the log until then, a `rotatum.logs.Log`; None where nothing was simulated.
+    """
+
+    log: object = None
 
 
 class ExtraError(RotatumError):

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from rotatum.models import Transmission
 from rotatum.record import Records
 from rotatum.simulation import Body, Plant
-from rotatum.simulation.drives import Inputs
-from rotatum.simulation.run import run_plant
+from rotatum.simulation.drivers.drives import Inputs
+from rotatum.simulation.plant.run import run_plant
 
 PERIOD = 1e-3
 

@@ -6,9 +6,9 @@ import pytest
 from rotatum.export.checker import in_stage
 from rotatum.models.laws import LAWS
 from rotatum.simulation import Sines, plant_of, sine
-from rotatum.simulation.drives import sample_drives
-from rotatum.simulation.run import run_plant
-from rotatum.simulation.stage import plant_stage
+from rotatum.simulation.drivers.drives import sample_drives
+from rotatum.simulation.plant.run import run_plant
+from rotatum.simulation.plant.stage import plant_stage
 from tests.simulation.joints import (
     AWAS,
     VSA,

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from rotatum.errors import RotatumError
-from rotatum.simulation import Body, Plant, dynamics
-from rotatum.simulation.run import choose_substeps
+from rotatum.simulation import Body, Plant
+from rotatum.simulation.plant import dynamics
+from rotatum.simulation.plant.run import choose_substeps
 from tests.simulation.plants import FREE, JOINT, LINEAR, PERIOD, clock, drive, spring
 
 LOCKED = replace(LINEAR, motors=(Body(1e12),))  # takes 1e-12 of the motion

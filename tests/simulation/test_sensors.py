@@ -8,13 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rotatum.errors import RotatumError
-from rotatum.simulation.drives import Inputs
-from rotatum.simulation.excitation import multisine
-from rotatum.simulation.faults import logged_rows, quantise, readings
-from rotatum.simulation.plant import Body, Plant
-from rotatum.simulation.run import run_plant
-from rotatum.simulation.sensors import LOGGED, Sensors
-from rotatum.simulation.trajectory import trajectory
+from rotatum.simulation.drivers.drives import Inputs
+from rotatum.simulation.drivers.waves import multisine
+from rotatum.simulation.plant.bodies import Body, Plant
+from rotatum.simulation.plant.run import run_plant
+from rotatum.simulation.sensing.faults import logged_rows, quantise, readings
+from rotatum.simulation.sensing.sensors import LOGGED, Sensors
+from rotatum.simulation.sensing.trajectory import trajectory
 from tests.simulation.plants import spring
 
 PERIOD = 1e-3

@@ -242,8 +242,8 @@ def coefficient(
     """Renew one coefficient's standard deviation, ``column`` being P's column j.
 
     ``bias2`` is the square of what shrinking may have taken from it. Noise in the column itself
-    attenuates the coefficient by ``1 - a``, ``a = n v P_jj``; what is seen is the attenuated one, so
-    that its bias is larger by ``1 / (1 - a)``.
+    attenuates the coefficient by ``1 - a``, ``a = n v P_jj``; what is seen is the attenuated one,
+    so that its bias is larger by ``1 / (1 - a)``.
     """
     own = state.variance * state.column[j]
     worst = blocks.worst(sums, at, state.column)

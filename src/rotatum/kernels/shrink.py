@@ -134,7 +134,7 @@ def spread(state: Any, solver: Any, c: Any) -> float:
 
 
 def multiply(state: Any, solver: Any, c: Any, out: Any) -> None:
-    """Write ``U diag(w d) U^T c`` to ``out``: each score's effect on ``c^T alpha'``; set ``bias2``."""
+    """Write ``U diag(w d) U^T c``, each score's effect on ``c^T alpha'``; set ``bias2``."""
     bias2 = 0.0
     for i in range(len(state.alpha)):
         out[i] = 0.0

@@ -1,7 +1,7 @@
 """Robots with known truth: plants, drives that move them, sensors with faults, logs of them."""
 
 from rotatum.simulation.demo import demo_log
-from rotatum.simulation.excitation import (
+from rotatum.simulation.drivers.waves import (
     After,
     Chirp,
     Drive,
@@ -14,8 +14,8 @@ from rotatum.simulation.excitation import (
     sine,
 )
 from rotatum.simulation.joint import simulate_joint
-from rotatum.simulation.plant import Body, Plant, plant_of
-from rotatum.simulation.sensors import Sensors
+from rotatum.simulation.plant.bodies import Body, Plant, plant_of
+from rotatum.simulation.sensing.sensors import Sensors
 
 __all__ = [
     "After",

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rotatum.models.device import device_from_tables
-from rotatum.simulation.excitation import After, multisine, sine
+from rotatum.simulation.drivers.waves import After, multisine, sine
 from rotatum.simulation.joint import simulate_joint
-from rotatum.simulation.sensors import Sensors
+from rotatum.simulation.sensing.sensors import Sensors
 
 if TYPE_CHECKING:
     from rotatum.logs.log import Log

@@ -12,13 +12,13 @@ from rotatum.errors import RotatumError
 from rotatum.logs.clock import ClockWatch
 from rotatum.logs.log import Log
 from rotatum.record import Records
-from rotatum.simulation.drives import sample_drives
-from rotatum.simulation.excitation import Drive
-from rotatum.simulation.faults import logged_rows, readings
-from rotatum.simulation.plant import Plant, plant_of
-from rotatum.simulation.run import Course, run_plant
-from rotatum.simulation.sensors import LOGGED, Sensors
-from rotatum.simulation.trajectory import trajectory
+from rotatum.simulation.drivers.drives import sample_drives
+from rotatum.simulation.drivers.waves import Drive
+from rotatum.simulation.plant.bodies import Plant, plant_of
+from rotatum.simulation.plant.run import Course, run_plant
+from rotatum.simulation.sensing.faults import logged_rows, readings
+from rotatum.simulation.sensing.sensors import LOGGED, Sensors
+from rotatum.simulation.sensing.trajectory import trajectory
 
 if TYPE_CHECKING:
     from rotatum.models.joint import Joint

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotatum.record import Records
-from rotatum.simulation.drives import Inputs
-from rotatum.simulation.plant import Plant
+from rotatum.simulation.drivers.drives import Inputs
+from rotatum.simulation.plant.bodies import Plant
 
 Array = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ from rotatum.models.laws import LAWS
 from rotatum.record import Field, Layout
 from rotatum.runtime.compose import write_function, write_kernels
 from rotatum.runtime.stage import Stage
-from rotatum.simulation import dynamics
-from rotatum.simulation.dynamics import PlantInput, PlantOutput, PlantParams, PlantState
+from rotatum.simulation.plant import dynamics
+from rotatum.simulation.plant.dynamics import PlantInput, PlantOutput, PlantParams, PlantState
 
 _STEP = (
     "begin(params, state, u)",
@@ -34,8 +34,8 @@ def plant_stage(springs: tuple[tuple[str, int], ...]) -> Stage:
     """Return the stage that moves a joint through one sample.
 
     Its output is the joint at the sample's instant; then the sample's torques act for one period:
-    classical Runge-Kutta with fixed sub-steps (`rotatum.simulation.dynamics`). The text is the
-    same for series and serial joints: the set-point of the former stands still.
+    classical Runge-Kutta with fixed sub-steps (`rotatum.simulation.plant.dynamics`). The text is
+    the same for series and serial joints: the set-point of the former stands still.
 
     Parameters
     ----------

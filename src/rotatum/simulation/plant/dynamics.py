@@ -1,7 +1,7 @@
 """One joint in motion, as kernels: a link, its motors, the springs between, a set-point motor.
 
 Bodies are numbered: 0 the link, 1 to M the motors, M + 1 the set-point motor. The springs' torques
-come from the laws, which `rotatum.simulation.stage` calls between these kernels.
+come from the laws, which `rotatum.simulation.plant.stage` calls between these kernels.
 """
 
 from __future__ import annotations

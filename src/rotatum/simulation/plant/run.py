@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from rotatum.errors import RotatumError
 from rotatum.record import Records
 from rotatum.runtime.bank import Bank
-from rotatum.simulation.drives import Inputs
-from rotatum.simulation.dynamics import DYNAMIC, PRESCRIBED, QUASI_STATIC
-from rotatum.simulation.plant import Plant
-from rotatum.simulation.ranges import outside, setpoint_outside
-from rotatum.simulation.stage import plant_stage
+from rotatum.simulation.drivers.drives import Inputs
+from rotatum.simulation.plant.bodies import Plant
+from rotatum.simulation.plant.dynamics import DYNAMIC, PRESCRIBED, QUASI_STATIC
+from rotatum.simulation.plant.ranges import outside, setpoint_outside
+from rotatum.simulation.plant.stage import plant_stage
 
 SUBSTEPS = 10
 # RK4 is stable up to step * rate = 2.78; a fifth of that is accurate for what friction stops, and
@@ -32,7 +32,7 @@ class Course(NamedTuple):
     """What a plant did.
 
     Args:
-        at: (N,) records, `rotatum.simulation.dynamics.PlantOutput`.
+        at: (N,) records, `rotatum.simulation.plant.dynamics.PlantOutput`.
         substeps: Runge-Kutta steps per sample.
         quasi_static: whether the set-point motor was taken without its inertia.
     """

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotatum.errors import RotatumError, nearest
-from rotatum.simulation.excitation import Drive
-from rotatum.simulation.plant import Plant
+from rotatum.simulation.drivers.waves import Drive
+from rotatum.simulation.plant.bodies import Plant
 
 if TYPE_CHECKING:
     from rotatum.models.joint import Joint

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotatum.errors import RotatumError
-from rotatum.simulation.sensors import Sensors
-from rotatum.simulation.trajectory import Trajectory
+from rotatum.simulation.sensing.sensors import Sensors
+from rotatum.simulation.sensing.trajectory import Trajectory
 
 Channels = dict[str, NDArray[np.float64]]
 
@@ -52,7 +52,7 @@ def readings(
     trajectory, sensors
         What moved, and what watched it.
     roles
-        The channels recorded, of `rotatum.simulation.sensors.ROLES`.
+        The channels recorded, of `rotatum.simulation.sensing.sensors.ROLES`.
     counts
         Counts per turn of the encoders among them.
     seed

@@ -1,0 +1,1 @@
+"""Sweeps: a scenario simulated, estimated and scored for every combination of values."""

@@ -1,0 +1,1 @@
+"""Rigid arms: closed forms, and URDF files through pinocchio."""

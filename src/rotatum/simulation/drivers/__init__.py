@@ -1,0 +1,1 @@
+"""What drives: functions of time, and laws that look at the motion."""

@@ -1,0 +1,1 @@
+"""Scenario files: what is simulated, named in TOML."""

@@ -1,0 +1,1 @@
+"""What is recorded of a motion: sensors and what goes wrong with them."""
