@@ -2,10 +2,12 @@
 
 from rotatum.models.channel import ROLES, Channel
 from rotatum.models.device import Device, device_from_tables, device_names, load_device
+from rotatum.models.inertial import Accelerometer, Gyroscope
 from rotatum.models.joint import FIT_QUANTITIES, EstimatorSettings, Joint
 from rotatum.models.laws import LAWS, Law
 from rotatum.models.parts import Basis, Encoders, Link, Motor, Setpoint
 from rotatum.models.quantity import Uncertain
+from rotatum.models.robot.description import RobotTable
 from rotatum.models.transmission import Transmission
 from rotatum.models.units import Unit, find_unit, unit_names
 
@@ -13,15 +15,18 @@ __all__ = [
     "FIT_QUANTITIES",
     "LAWS",
     "ROLES",
+    "Accelerometer",
     "Basis",
     "Channel",
     "Device",
     "Encoders",
     "EstimatorSettings",
+    "Gyroscope",
     "Joint",
     "Law",
     "Link",
     "Motor",
+    "RobotTable",
     "Setpoint",
     "Transmission",
     "Uncertain",

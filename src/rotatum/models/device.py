@@ -7,18 +7,24 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
 from rotatum.errors import DeviceError, nearest
+from rotatum.models.arm import ARM_KEYS, arm_of
 from rotatum.models.channel import Channel
 from rotatum.models.explain import explain, key_names
+from rotatum.models.inertial import Accelerometer, Gyroscope
 from rotatum.models.joint import Clocked, Joint
+from rotatum.models.robot.description import RobotTable
+
+if TYPE_CHECKING:
+    from rotatum.models.robot.interface import Robot
 
 __all__ = ["Device", "device_from_tables", "device_names", "load_device"]
 
-_SHARED = ("name", "channels", "estimator", "sources", "joint")  # keys beside [[joint]]
+_SHARED = ("name", "channels", "estimator", "sources", "joint", *ARM_KEYS)  # keys beside [[joint]]
 _PLURALS = {"motor": "motors", "transmission": "transmissions"}
 
 
@@ -32,15 +38,32 @@ class Device:
     joints : its elastic joints, in the order of the file.
     source : path of the file, or "catalogue:NAME".
     time : where logs keep the sample clock; None: the canonical column `time`.
+    robot : the rigid arm whose joints these are; None: every link is a pendulum of its own.
+    accelerometers, gyroscopes : sensors on the arm's links.
     """
 
     name: str
     joints: tuple[Joint, ...]
     source: str
     time: Channel | None = None
+    robot: RobotTable | None = None
+    accelerometers: tuple[Accelerometer, ...] = ()
+    gyroscopes: tuple[Gyroscope, ...] = ()
+
+    def build_robot(self) -> Robot | None:
+        """Return the rigid arm, its joints in the order of `joints`; None without [robot].
+
+        Raises
+        ------
+        DeviceError for numbers that no arm has; ExtraError where a URDF file needs pinocchio.
+        """
+        return None if self.robot is None else self.robot.build()
 
     def only(self, names: Sequence[str] | None) -> Device:
         """Return the device with only these joints; None or nothing: all.
+
+        An arm stays only with all of its joints, which then keep their order; the sensors on its
+        links go with it.
 
         Raises
         ------
@@ -57,7 +80,10 @@ class Device:
                 raise DeviceError(
                     what, where=self.source, value=name, allowed=tuple(known), hint=hint
                 )
-        return replace(self, joints=tuple(known[name] for name in dict.fromkeys(names)))
+        if self.robot is not None and set(names) == set(known):
+            return self
+        joints = tuple(known[name] for name in dict.fromkeys(names))
+        return replace(self, joints=joints, robot=None, accelerometers=(), gyroscopes=())
 
     @property
     def period(self) -> float | None:
@@ -116,12 +142,18 @@ def device_from_tables(tables: Mapping[str, Any], source: str) -> Device:
         raise DeviceError('needs name = "..."', where=source, value=name)
     if "joint" not in tables:
         time, channels = _split_time(tables.get("channels", {}), source, "")
-        joint = _joint({**tables, "channels": channels}, source, "")
-        return Device(name=name, joints=(joint,), source=source, time=time)
-    return _robot(name, tables, source)
+        own = {key: value for key, value in tables.items() if key not in ARM_KEYS}
+        joint = _joint({**own, "channels": channels}, source, "")
+        device = Device(name=name, joints=(joint,), source=source, time=time)
+    else:
+        device = _of_joints(name, tables, source)
+    arm = arm_of(tables, tuple(joint.name for joint in device.joints), source)
+    return replace(
+        device, robot=arm.robot, accelerometers=arm.accelerometer, gyroscopes=arm.gyroscope
+    )
 
 
-def _robot(name: str, tables: Mapping[str, Any], source: str) -> Device:
+def _of_joints(name: str, tables: Mapping[str, Any], source: str) -> Device:
     """Build a device of several [[joint]] tables, which share [estimator], [sources], the clock."""
     for key in tables:
         if key not in _SHARED:
