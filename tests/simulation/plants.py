@@ -81,4 +81,7 @@ def drive(
         angle=None if angle is None else filled(angle),
         tau_setpoint=filled(tau_setpoint),
     )
-    return run_plant(plant, inputs, start=start, substeps=substeps).at
+    course = run_plant(plant, inputs, start=start, substeps=substeps)
+    if course.stopped is not None:
+        raise course.stopped
+    return course.at

@@ -6,10 +6,11 @@ import tomllib
 import numpy as np
 import pytest
 
-from rotatum.errors import DeviceError, RotatumError
+from rotatum.errors import DeviceError, RotatumError, SimulationError
 from rotatum.models import ROLES
 from rotatum.simulation import Sensors, demo_log, hold, plant_of, simulate_joint, sine
 from rotatum.simulation.demo import DEVICE
+from rotatum.simulation.plant.effects import Effects
 from tests.simulation.joints import AWAS, B_LEVER, VSA, joint_of, series_joint
 
 TABLES = tomllib.loads(DEVICE)
@@ -185,6 +186,37 @@ def test_a_joint_starts_where_it_is_told():
     seen = _seen(start=start, sensors=IDEAL)
     assert (seen["q"][0], seen["theta"][0]) == (0.3, 0.25)
     assert seen["q"][1] == pytest.approx(0.3 - 0.2e-3, abs=2e-5)  # 20 rad/s^2 over 1 ms: 1e-5
+
+
+def test_a_motion_that_stops_leaves_its_log_in_the_error():
+    limited = {"law": "cubic", "stiffness": 200.0, "cubic": 1500.0, "limit": 0.05}
+    with pytest.raises(SimulationError, match="leaves its range") as caught:
+        _simulate(series_joint(transmission=limited))
+    log, whole = caught.value.log, _simulate()
+    rows = log.time.size
+    assert caught.value.where == f"demo-elbow, t = {1e-3 * rows:.6g} s"
+    np.testing.assert_array_equal(log.time, whole.time[:rows])
+    for role, x in log.joints["demo-elbow"].items():
+        np.testing.assert_array_equal(x, whole.joints["demo-elbow"][role][:rows])
+
+
+def test_nothing_simulated_leaves_no_log():
+    limited = {"law": "cubic", "stiffness": 200.0, "cubic": 1500.0, "limit": 0.05}
+    with pytest.raises(SimulationError, match=r"t = 0 s.*got 0\.06") as caught:
+        _simulate(series_joint(transmission=limited), start={"q": 0.06})
+    assert caught.value.log is None
+
+
+def test_effects_and_smoothing_reach_the_plant_and_not_the_law():
+    effects = Effects(hysteresis_torque=1.0, backlash=1e-3, motor_stiction=1.5)
+    plain, changed = _seen(sensors=IDEAL), _seen(sensors=IDEAL, effects=effects, smoothing=0.02)
+    assert np.max(np.abs(plain["q"] - changed["q"])) > 1e-3
+    phi = changed["q"] - changed["theta"]
+    stretch = phi - np.clip(phi, -5e-4, 5e-4)
+    law = 200.0 * stretch + 1500.0 * stretch**3
+    np.testing.assert_allclose(changed["torque_true"], law, atol=1e-11)  # rounding of 10 N m
+    softer = _seen(sensors=IDEAL, smoothing=0.02)
+    assert 1e-6 < np.max(np.abs(plain["q"] - softer["q"])) < 1e-2
 
 
 def test_lost_and_doubled_rows_concern_truth_and_clock_too():

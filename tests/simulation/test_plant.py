@@ -8,10 +8,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rotatum.errors import RotatumError
+from rotatum.errors import RotatumError, SimulationError
 from rotatum.simulation import Body, Plant
-from rotatum.simulation.plant import dynamics
-from rotatum.simulation.plant.run import choose_substeps
+from rotatum.simulation.drivers.drives import Inputs
+from rotatum.simulation.plant.friction import creep, friction, tanh
+from rotatum.simulation.plant.run import run_plant
+from rotatum.simulation.plant.steps import choose_substeps
 from tests.simulation.plants import FREE, JOINT, LINEAR, PERIOD, clock, drive, spring
 
 LOCKED = replace(LINEAR, motors=(Body(1e12),))  # takes 1e-12 of the motion
@@ -56,16 +58,16 @@ def test_constant_torque_turns_against_full_coulomb_friction():
 
 
 def test_friction_is_regularised_as_documented():
-    params = SimpleNamespace(damping=[0.35], coulomb=[0.8], smoothing=5e-3)
+    params = SimpleNamespace(damping=[0.35], coulomb=[0.8], excess=[0.0], smoothing=5e-3)
     for v, share in ((0.02, math.tanh(4.0)), (0.2, 1.0), (-0.02, -math.tanh(4.0)), (0.0, 0.0)):
-        loss = dynamics.friction(params, 0, v)
+        loss = friction(params, 0, v, 0.0)
         assert loss == pytest.approx(0.8 * share + 0.35 * v, rel=1e-14)
 
 
 def test_tanh_is_the_hyperbolic_tangent():
     for x in np.linspace(-40.0, 40.0, 4001):
         # the difference of two numbers near 1 and of their rounding
-        assert dynamics.tanh(float(x)) == pytest.approx(math.tanh(x), abs=3e-16)
+        assert tanh(float(x)) == pytest.approx(math.tanh(x), abs=3e-16)
 
 
 def test_creep_balances_torque_and_friction():
@@ -73,10 +75,10 @@ def test_creep_balances_torque_and_friction():
     for _ in range(500):
         damping, coulomb, net = 10.0 ** rng.uniform(-3, 2, 3) * [1, 1, rng.choice([-1, 1])]
         for C in (0.0, coulomb):
-            params = SimpleNamespace(damping=[damping], coulomb=[C], smoothing=5e-3)
-            v = dynamics.creep(params, 0, net)
+            params = SimpleNamespace(damping=[damping], coulomb=[C], excess=[0.0], smoothing=5e-3)
+            v = creep(params, 0, net)
             # rounding of terms as large as the torque
-            assert dynamics.friction(params, 0, v) == pytest.approx(net, rel=1e-12)
+            assert friction(params, 0, v, 0.0) == pytest.approx(net, rel=1e-12)
 
 
 def test_energy_is_kept_without_damping():
@@ -178,9 +180,38 @@ def test_a_spring_that_hardens_on_the_way_gets_more_steps():
         energy = hard.energy(run)
         drift[substeps] = np.max(np.abs(energy / energy[0] - 1.0))
     assert choose_substeps(hard, PERIOD, hard.rest_stiffness(0.0)) == 10
-    # RK4 loses (omega h)^6 / 72 in each step at the stiff end: 1e-6 with 21 steps, 8e-5 with 10,
-    # a tenth of the time. Measured 2.6e-4 and 9.6e-3.
-    assert drift[None] < 1e-3 < 5e-3 < drift[10]
+    # a twentieth of 1e-6 in 10 s; with 10 steps measured 9.6e-3
+    assert drift[None] < 5e-8
+    assert drift[10] > 5e-3
+
+
+def test_a_motion_that_stops_keeps_what_was_good():
+    soft = replace(LINEAR, transmissions=(spring("linear", stiffness=200.0, limit=0.02),))
+    t = clock(1.0)
+    zero = np.zeros_like(t)
+    inputs = Inputs(t, zero[:, None], zero + 20.0, zero, zero)
+    whole, cut = run_plant(LINEAR, inputs), run_plant(soft, inputs)
+    first = int(np.argmax(whole.at["deflection"][:, 0] > 0.02))
+    assert whole.stopped is None
+    assert isinstance(cut.stopped, SimulationError)
+    assert cut.stopped.where == f"elbow, t = {t[first]:.6g} s"
+    assert cut.at.size == first
+    for name in cut.at.dtype.names:
+        np.testing.assert_array_equal(cut.at[name], whole.at[name][:first])
+
+
+def test_the_lightest_a_payload_makes_the_link_chooses_the_steps():
+    stiff = replace(LINEAR, transmissions=(spring("linear", stiffness=2e4),))
+    t = clock(0.1)
+    zero = np.zeros_like(t)
+    inputs = Inputs(t, zero[:, None], zero, zero, zero)
+    lighter = replace(stiff, link=Body(0.02))
+    course = run_plant(stiff, inputs, added=(np.where(t > 0.05, -0.78, 0.0), zero))
+    assert (
+        course.substeps == run_plant(lighter, inputs).substeps > run_plant(stiff, inputs).substeps
+    )
+    with pytest.raises(RotatumError, match=r"elbow, payload: .* no inertia.*more than -0\.8"):
+        run_plant(stiff, inputs, added=(zero - 0.8, zero))
 
 
 def test_too_few_steps_are_refused_with_the_number_needed():
@@ -189,6 +220,11 @@ def test_too_few_steps_are_refused_with_the_number_needed():
         choose_substeps(stiff, PERIOD, (200.0,), 10)
     with pytest.raises(RotatumError, match="too few integration steps"):
         choose_substeps(JOINT, PERIOD, (200.0,), 0)
+
+
+def test_a_start_that_is_no_number_is_refused():
+    with pytest.raises(RotatumError, match=r"start, dtheta.*finite"):
+        drive(JOINT, 0.1, start={"dtheta": math.inf})
 
 
 def test_a_start_that_does_not_exist_is_refused():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,8 @@ class Log:
     holds : joint -> role -> "sampled" or "held".
     clock : period, jitter and gaps of the clock.
     warnings : sentences about what is odd in the log.
+    inertial : accelerometer or gyroscope -> "ax", "ay", "az" [m/s^2] or "gx", "gy", "gz" [rad/s]
+        -> (N,), in the sensor's own axes.
     """
 
     source: str
@@ -34,6 +36,7 @@ class Log:
     holds: Mapping[str, Mapping[str, str]]
     clock: Clock
     warnings: tuple[str, ...] = ()
+    inertial: Mapping[str, Mapping[str, NDArray[np.float64]]] = field(default_factory=dict)
 
     @property
     def period(self) -> float:
@@ -46,8 +49,11 @@ class Log:
         return int(self.time.size)
 
     def columns(self) -> dict[str, NDArray[np.float64]]:
-        """Return the log in canonical columns, `time` and `<joint>.<role>`, for `write_table`."""
+        """Return the log in canonical columns, for `write_table`.
+
+        `time`, `<joint>.<role>` and, of inertial sensors, `<sensor>.<axis>`.
+        """
         table = {"time": self.time}
-        for joint, roles in self.joints.items():
-            table.update({f"{joint}.{role}": values for role, values in roles.items()})
+        for name, parts in (*self.joints.items(), *self.inertial.items()):
+            table.update({f"{name}.{part}": values for part, values in parts.items()})
         return table

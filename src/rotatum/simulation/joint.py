@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,16 +12,20 @@ from rotatum.errors import RotatumError
 from rotatum.logs.clock import ClockWatch
 from rotatum.logs.log import Log
 from rotatum.record import Records
-from rotatum.simulation.drivers.drives import sample_drives
+from rotatum.simulation.drivers.drives import Inputs, sample_drives
 from rotatum.simulation.drivers.waves import Drive
-from rotatum.simulation.plant.bodies import Plant, plant_of
-from rotatum.simulation.plant.run import Course, run_plant
+from rotatum.simulation.payload import Payload, added
+from rotatum.simulation.plant.bodies import SMOOTHING, Plant, plant_of
+from rotatum.simulation.plant.effects import Effects
+from rotatum.simulation.plant.run import Course, course_warnings, run_plant, until
 from rotatum.simulation.sensing.faults import logged_rows, readings
 from rotatum.simulation.sensing.sensors import LOGGED, Sensors
 from rotatum.simulation.sensing.trajectory import trajectory
 
 if TYPE_CHECKING:
     from rotatum.models.joint import Joint
+
+LEAST = 2  # samples of a log
 
 
 def simulate_joint(
@@ -35,6 +39,9 @@ def simulate_joint(
     external: Drive | None = None,
     substeps: int | None = None,
     start: Mapping[str, float] | None = None,
+    effects: Effects | None = None,
+    payloads: Sequence[Payload] = (),
+    smoothing: float = SMOOTHING,
 ) -> Log:
     """Return the log of a joint driven open loop.
 
@@ -42,8 +49,9 @@ def simulate_joint(
     held until the next instant: the logged "tau" ("tau1", "tau2") is that command. A prescribed
     set-point goes straight from each instant to the next. Truth columns belong to the logged
     instants, whatever the sensors' delays: "stiffness_true" [N m/rad] and "torque_true" [N m], the
-    joint's elastic torque (damping left out; "torque_measured" has it); for an antagonistic joint
-    also those of each transmission, "stiffness1_true", "torque1_true" and so on.
+    joint's elastic law times its drift, 0 inside the play (damping and hysteresis left out;
+    "torque_measured" has them); for an antagonistic joint also those of each transmission,
+    "stiffness1_true", "torque1_true" and so on.
 
     Parameters
     ----------
@@ -63,11 +71,19 @@ def simulate_joint(
     external
         Time (N,) -> torque on the link (N,) [N m]; logged as "tau_ext" if given.
     substeps
-        Integration steps per sample; at least 10, chosen for the plant, if not given.
+        Integration steps per sample; at least 10, chosen for the plant so that it keeps its energy
+        to 1e-6 in 10 s without damping, if not given.
     start
         Where the joint starts: positions [rad] "q", "theta" ("theta1", "theta2") and, where a
         torque drives the set-point, "setpoint_angle"; velocities [rad/s] with a "d" in front.
         What is not named is zero.
+    effects
+        What the joint does that its device file does not say: Stribeck and load-dependent friction,
+        play, hysteresis, drift of the stiffness.
+    payloads
+        Masses the link takes up, in no log.
+    smoothing
+        [rad/s] that the sign of dry friction is regularised over.
 
     The log's "setpoint" is what the encoder on the set-point's motor shows: its angle, before the
     law of the device's [setpoint]. Where that motor's friction is too fast for the sub-steps it is
@@ -80,15 +96,35 @@ def simulate_joint(
     friction regularised over 5 mrad/s the error of a robot's elbow is 1e-6 rad.
 
     Raises `DeviceError` for a joint that cannot be simulated, `RotatumError` for impossible
-    durations, sensors or drives, and for a motion that runs away or leaves a law's range.
+    durations, sensors, drives or effects and for a period the joint is too fast for, and
+    `SimulationError` for a motion that runs away or leaves a law's range: its `log` is what was
+    simulated until then.
     """
-    plant = plant_of(joint)
+    plant = plant_of(joint, smoothing=smoothing, effects=effects)
     sensors = sensors if sensors is not None else Sensors()
     sensors.fit(joint.actuation)
     time = _instants(seconds, period)
     inputs = sample_drives(joint, plant, time, drives, external)
-    course = run_plant(plant, inputs, start=start, substeps=substeps)
+    loads = added(payloads, (joint.name,), time).get(joint.name)
+    course = run_plant(plant, inputs, start=start, substeps=substeps, added=loads)
+    if course.stopped is None:
+        return _log(joint, plant, inputs, course, sensors, external is not None, seed)
+    if course.at.size >= LEAST:
+        done = until(inputs, course.at.size)
+        course.stopped.log = _log(joint, plant, done, course, sensors, external is not None, seed)
+    raise course.stopped
 
+
+def _log(
+    joint: Joint,
+    plant: Plant,
+    inputs: Inputs,
+    course: Course,
+    sensors: Sensors,
+    external: bool,
+    seed: int,
+) -> Log:
+    time = inputs.time
     roles = (*LOGGED[joint.actuation], *(("tau_ext",) if external else ()))
     motion = trajectory(plant, inputs, course.at)
     counts = _counts(joint, sensors)
@@ -96,7 +132,7 @@ def simulate_joint(
     channels |= _truth(course.at)
     rows = logged_rows(time.size, sensors, seed=seed)
     held = (*plant.torque_roles, "tau_ext")
-    watch = ClockWatch(period)
+    watch = ClockWatch(float(time[1] - time[0]))
     watch.add(time[rows])
     clock = watch.clock()
     return Log(
@@ -105,7 +141,7 @@ def simulate_joint(
         joints={joint.name: {role: x[rows] for role, x in channels.items()}},
         holds={joint.name: {role: "held" if role in held else "sampled" for role in channels}},
         clock=clock,
-        warnings=(*clock.describe(), *_warnings(plant, course)),
+        warnings=(*clock.describe(), *course_warnings(plant, course)),
     )
 
 
@@ -145,13 +181,3 @@ def _truth(at: Records) -> dict[str, NDArray[np.float64]]:
             truth[f"stiffness{m + 1}_true"] = at["stiffness"][:, m]
             truth[f"torque{m + 1}_true"] = at["torque"][:, m]
     return truth
-
-
-def _warnings(plant: Plant, course: Course) -> tuple[str, ...]:
-    if not course.quasi_static or plant.setpoint_motor is None:
-        return ()
-    rate = plant.setpoint_motor.rate(plant.smoothing)
-    return (
-        f"{plant.name}: friction stops the set-point motor at a rate of {rate:.3g} 1/s, too fast "
-        f"for {course.substeps} integration steps a sample; simulated without its inertia.",
-    )

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rotatum.simulation.sensing.trajectory import Trajectory
 
 if TYPE_CHECKING:
-    from rotatum.errors import RotatumError
+    from rotatum.errors import SimulationError
     from rotatum.models.robot.interface import Robot
 
 Array = NDArray[np.float64]
@@ -62,4 +62,4 @@ class Motion:
     acceleration: Mapping[str, Array]
     robot: Robot | None = None
     warnings: tuple[str, ...] = ()
-    stopped: RotatumError | None = None
+    stopped: SimulationError | None = None

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rotatum.errors import DeviceError
+from rotatum.errors import DeviceError, RotatumError
+from rotatum.simulation.plant.effects import Effects
 
 if TYPE_CHECKING:
     from rotatum.models.joint import Joint
@@ -26,7 +27,7 @@ SMOOTHING = 5e-3
 class Body:
     """A turning mass with its friction, at the joint.
 
-    ``sgn(v)`` of Coulomb friction is regularised as ``tanh(v / smoothing)``: within 0.04 % of full
+    ``sgn(v)`` of Coulomb friction is regularised as ``tanh(v / smoothing)``: within 0.07 % of full
     friction from four times `smoothing` on, and steep viscous friction (a creep, never true
     sticking) below it.
     """
@@ -35,9 +36,17 @@ class Body:
     damping: float = 0.0  # [N m s/rad]
     coulomb: float = 0.0  # [N m]
 
-    def rate(self, smoothing: float) -> float:
-        """Return the fastest rate of its friction alone [1/s]."""
-        return (self.damping + self.coulomb / smoothing) / self.inertia
+    def rate(self, smoothing: float, more: float = 0.0) -> float:
+        """Return the fastest rate of its friction alone [1/s].
+
+        Parameters
+        ----------
+        smoothing
+            [rad/s] of its sign.
+        more
+            Dry friction beyond Coulomb's [N m].
+        """
+        return (self.damping + (self.coulomb + more) / smoothing) / self.inertia
 
 
 @dataclass(frozen=True)
@@ -67,6 +76,8 @@ class Plant:
         The set-point is ``offset + slope * theta_c``.
     smoothing
         [rad/s] of all Coulomb friction.
+    effects
+        What else it does.
     """
 
     name: str
@@ -79,6 +90,18 @@ class Plant:
     offset: float = 0.0
     slope: float = 1.0
     smoothing: float = SMOOTHING
+    effects: Effects = field(default_factory=Effects)
+
+    @property
+    def stictions(self) -> tuple[float, ...]:
+        """Friction of link and motors at breaking away [N m]."""
+        link, motor = self.effects.link_stiction, self.effects.motor_stiction
+        given = (link, *(motor for _ in self.motors))
+        bodies = (self.link, *self.motors)
+        return tuple(
+            body.coulomb if stiction is None else stiction
+            for body, stiction in zip(bodies, given, strict=True)
+        )
 
     @property
     def motor_roles(self) -> tuple[str, ...]:
@@ -115,7 +138,32 @@ class Plant:
         pairs = zip(stiffness, self._mobility, strict=True)
         return math.sqrt(square + sum(abs(k) * m for k, m in pairs))
 
-    def fastest_rate(self, stiffness: Sequence[float]) -> float:
+    def friction_rate(self, loads: Sequence[float] = ()) -> float:
+        """Return a bound on the rates [1/s] at which friction and spring damping stop the bodies.
+
+        Parameters
+        ----------
+        loads
+            (M,) N m, the largest elastic torque of each transmission; none: 0.
+        """
+        eps = self.smoothing
+        dry = list(self.stictions)
+        for m, load in enumerate(loads):
+            dry[m + 1] += self.effects.load_friction * abs(load)
+        bodies = (self.link, *self.motors)
+        rates = [b.rate(eps, s - b.coulomb) for b, s in zip(bodies, dry, strict=True)]
+        # one with viscous friction can be taken without its inertia where it is too fast
+        if self.setpoint_motor is not None and self.setpoint_motor.damping == 0.0:
+            rates.append(self.setpoint_motor.rate(eps))
+        pairs = zip(self.transmissions, self._mobility, strict=True)
+        return max(rates) + sum(t.damping * m for t, m in pairs)
+
+    @property
+    def hysteresis_stiffness(self) -> float:
+        """Stiffness [N m/rad] that hysteresis adds to a spring where it turns, 2 h / d."""
+        return 2.0 * self.effects.hysteresis_torque / self.effects.hysteresis_deflection
+
+    def fastest_rate(self, stiffness: Sequence[float], loads: Sequence[float] = ()) -> float:
         """Return a bound on the plant's fastest rate [rad/s], its springs not moving the set-point.
 
         In mass-weighted coordinates the linearised plant is ``[[0, W], [-W, -Z]]``, whose spectral
@@ -125,14 +173,11 @@ class Plant:
         ----------
         stiffness
             (M,) N m/rad, of the transmissions.
+        loads
+            (M,) N m, the largest elastic torque of each.
         """
-        bodies = [self.link, *self.motors]
-        # one with viscous friction can be taken without its inertia where it is too fast
-        if self.setpoint_motor is not None and self.setpoint_motor.damping == 0.0:
-            bodies.append(self.setpoint_motor)
-        friction = max(body.rate(self.smoothing) for body in bodies)
-        pairs = zip(self.transmissions, self._mobility, strict=True)
-        return self.oscillation_rate(stiffness) + friction + sum(t.damping * m for t, m in pairs)
+        stiffest = [abs(k) + self.hysteresis_stiffness for k in stiffness]
+        return self.oscillation_rate(stiffest) + self.friction_rate(loads)
 
     @property
     def _mobility(self) -> list[float]:
@@ -142,13 +187,16 @@ class Plant:
         """Return kinetic, gravity and elastic energy (N,) [J] of outputs (N,) of the stage.
 
         Zero at rest, hanging, springs at their rest. The set-point motor's kinetic energy counts
-        where the device gives that motor.
+        where the device gives that motor; what hysteresis holds and a payload do not.
         """
+        half = 0.5 * self.effects.backlash
         kinetic = self.link.inertia * at["dq"] ** 2
         elastic = np.zeros_like(kinetic)
         for m, (motor, t) in enumerate(zip(self.motors, self.transmissions, strict=True)):
             kinetic += motor.inertia * at["dtheta"][:, m] ** 2
-            elastic += t.energy(at["deflection"][:, m], at["setpoint"])
+            x = at["deflection"][:, m] + t.preload
+            felt = at["deflection"][:, m] - np.clip(x, -half, half)
+            elastic += at["scale"] * t.energy(felt, at["setpoint"])
         if self.setpoint_motor is not None:
             kinetic += self.setpoint_motor.inertia * at["dangle"] ** 2
         gravity = self.gravity_torque * (1.0 - np.cos(at["q"]))
@@ -156,10 +204,13 @@ class Plant:
         return energy
 
 
-def plant_of(joint: Joint, *, smoothing: float = SMOOTHING) -> Plant:
+def plant_of(
+    joint: Joint, *, smoothing: float = SMOOTHING, effects: Effects | None = None
+) -> Plant:
     """Return the plant a device file's joint describes (reflected to the joint side).
 
-    Raises `DeviceError` for a missing motor inertia, link inertia or transmission law.
+    Raises `DeviceError` for a missing motor inertia, link inertia or transmission law, and
+    `RotatumError` for a smoothing that is not positive or stiction below Coulomb friction.
     """
     if not joint.motors:
         raise _missing(joint, "motor.inertia")
@@ -167,9 +218,16 @@ def plant_of(joint: Joint, *, smoothing: float = SMOOTHING) -> Plant:
         raise _missing(joint, "link.inertia")
     if any(t.law is None for t in joint.transmissions):
         raise _missing(joint, "transmission.law")
+    if not (smoothing > 0.0 and math.isfinite(smoothing)):
+        raise RotatumError(
+            "Coulomb friction needs a velocity to change its sign over",
+            where=f"{joint.name}, smoothing",
+            value=smoothing,
+            allowed="above 0 rad/s",
+        )
     setpoint = joint.setpoint
     moved = setpoint.motor if setpoint is not None else None
-    return Plant(
+    plant = Plant(
         name=joint.name,
         actuation=joint.actuation,
         link=Body(joint.link.inertia.value, joint.link.damping.value, joint.link.coulomb.value),
@@ -180,7 +238,24 @@ def plant_of(joint: Joint, *, smoothing: float = SMOOTHING) -> Plant:
         offset=setpoint.value(0.0) if setpoint is not None else 0.0,
         slope=setpoint.slope if setpoint is not None else 1.0,
         smoothing=smoothing,
+        effects=Effects() if effects is None else effects,
     )
+    _check_stiction(plant)
+    return plant
+
+
+def _check_stiction(plant: Plant) -> None:
+    """Refuse Stribeck curves that rise."""
+    names = ("link_stiction", *("motor_stiction" for _ in plant.motors))
+    bodies = (plant.link, *plant.motors)
+    for name, body, stiction in zip(names, bodies, plant.stictions, strict=True):
+        if stiction < body.coulomb:
+            raise RotatumError(
+                "friction at breaking away is at least Coulomb friction",
+                where=f"{plant.name}, effects.{name}",
+                value=stiction,
+                allowed=f"{body.coulomb:.6g} N m or more",
+            )
 
 
 def _body(joint: Joint, motor: Motor, key: str) -> Body:

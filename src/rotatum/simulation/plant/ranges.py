@@ -15,7 +15,10 @@ SETPOINTS = 64
 
 
 def outside(
-    transmission: Transmission, deflection: NDArray[np.float64], setpoint: NDArray[np.float64]
+    transmission: Transmission,
+    deflection: NDArray[np.float64],
+    setpoint: NDArray[np.float64],
+    half_play: float = 0.0,
 ) -> NDArray[np.bool]:
     """Return where (N,) the deflection or the set-point is outside its range; NaN is not.
 
@@ -25,6 +28,8 @@ def outside(
         (N,) rad, without the preload.
     setpoint
         (N,) in the unit of the law.
+    half_play
+        rad by which play widens the range to either side.
     """
     finite = setpoint[np.isfinite(setpoint)]
     known = np.unique(finite) if finite.size else np.zeros(1)
@@ -32,7 +37,7 @@ def outside(
         known = np.linspace(known[0], known[-1], SETPOINTS)
     ends = np.array([transmission.limits(float(s)) for s in known])
     low, high = (np.interp(setpoint, known, ends[:, side]) for side in (0, 1))
-    wrong: NDArray[np.bool] = (deflection < low) | (deflection > high)
+    wrong: NDArray[np.bool] = (deflection < low - half_play) | (deflection > high + half_play)
     return wrong | setpoint_outside(transmission, setpoint)
 
 

@@ -8,33 +8,18 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from rotatum.errors import RotatumError
+from rotatum.simulation.sensing.rows import lateness, logged_rows
 from rotatum.simulation.sensing.sensors import Sensors
+from rotatum.simulation.sensing.streams import STREAMS, runs, stream
 from rotatum.simulation.sensing.trajectory import Trajectory
 
-Channels = dict[str, NDArray[np.float64]]
+__all__ = ["STREAMS", "Channels", "logged_rows", "quantise", "readings"]
 
-# Every fault draws from its own stream, numbered by its place here, so that switching one on
-# or off changes no other. Append only: another order changes the logs of every seed.
-STREAMS = (
-    "noise.q",
-    "noise.theta",
-    "noise.tau",
-    "noise.torque_measured",
-    "noise.tau_ext",
-    "stale",
-    "nans",
-    "nan channel",
-    "repeats",
-    "dropouts",
-    "noise.theta1",
-    "noise.theta2",
-    "noise.setpoint",
-    "noise.tau1",
-    "noise.tau2",
-    "noise.torque_measured1",
-    "noise.torque_measured2",
-)
+Array = NDArray[np.float64]
+Channels = dict[str, Array]
+
+# Of a wrap: a reading this close below it is a count that was rounded, not a turn short of one.
+_WRAP_ROUNDING = 1e-9
 
 
 def readings(
@@ -44,8 +29,10 @@ def readings(
     roles: tuple[str, ...],
     counts: Mapping[str, float],
     seed: int,
+    number: int = 0,
+    every: int = 1,
 ) -> Channels:
-    """Return role -> (N,) readings [rad, N m] at the sample instants, all faults but lost rows.
+    """Return role -> (K,) readings [rad, N m] at the sample instants, all faults but lost rows.
 
     Parameters
     ----------
@@ -57,76 +44,114 @@ def readings(
         Counts per turn of the encoders among them.
     seed
         Of all random faults.
+    number
+        Of the joint in its device: each has its own faults.
+    every
+        One in so many instants of the trajectory is sampled.
     """
+    time = trajectory.time[::every]
+    period = every * float(trajectory.time[1] - trajectory.time[0])
+    late = lateness(time.size, sensors, period=period, seed=seed)
     channels: Channels = {}
     for role in roles:
-        x = _true_channel(trajectory.before(sensors.delay.get(role, 0.0)), role)
+        # a commanded torque is logged by the cycle that sends it, however late that is
+        jitter = 0.0 if role in trajectory.held else late
+        lag = _delay(sensors, role, time.size, seed, number) - jitter
+        x = _true_channel(trajectory.before(lag, every), role)
+        x = _eccentric(x, sensors, role, seed, number)
         if role in trajectory.plant.motor_roles:
             x = x - sensors.deflection_zero
-        if sensors.noise.get(role, 0.0) > 0.0:
-            x = x + sensors.noise[role] * _stream(seed, f"noise.{role}").standard_normal(x.size)
-        channels[role] = quantise(x, counts[role]) if role in counts else x.copy()
-    return _with_nans(_with_stale(channels, sensors, seed), sensors, seed)
+        x = _measured(x, sensors, role, seed, number)
+        channels[role] = _converted(x, sensors, role, counts)
+    channels = _with_stuck(channels, sensors, time)
+    return _with_nans(_with_stale(channels, sensors, seed, number), sensors, seed, number)
 
 
-def logged_rows(samples: int, sensors: Sensors, *, seed: int) -> NDArray[np.int64]:
-    """Return the sample number behind each row of the log: repeats twice, dropouts not at all."""
-    repeated = _runs("repeats", samples, sensors.repeats, 1, seed)
-    times = np.ones(samples, dtype=np.int64)
-    times[repeated] = 2
-    times[_runs("dropouts", samples, sensors.dropouts, sensors.dropout_rows, seed)] = 0
-    return np.repeat(np.arange(samples), times)
-
-
-def quantise(x: NDArray[np.float64], counts: float) -> NDArray[np.float64]:
+def quantise(x: Array, counts: float) -> Array:
     """Return angles (N,) [rad] rounded to the nearest of `counts` per turn."""
     step = 2.0 * math.pi / counts
     return step * np.round(x / step)
 
 
-def _true_channel(motion: Trajectory, role: str) -> NDArray[np.float64]:
+def wrapped(x: Array, wrap: float) -> Array:
+    """Return angles (N,) [rad] that start again from zero at `wrap` [rad]."""
+    rest = np.mod(x, wrap)
+    return np.where(rest > (1.0 - _WRAP_ROUNDING) * wrap, 0.0, rest)
+
+
+def _delay(sensors: Sensors, role: str, samples: int, seed: int, number: int) -> Array | float:
+    delay = sensors.delay.get(role, 0.0)
+    std = sensors.delay_jitter.get(role, 0.0)
+    if std == 0.0:
+        return delay
+    drawn = stream(seed, f"delay_jitter.{role}", number).standard_normal(samples)
+    return np.maximum(delay + std * drawn, 0.0)
+
+
+def _true_channel(motion: Trajectory, role: str) -> Array:
     # a sensor in the drive train feels the whole transmitted torque, spring damping included
     if role == "torque_measured":
-        total: NDArray[np.float64] = np.sum(motion.transmitted, axis=0)
+        total: Array = np.sum(motion.transmitted, axis=0)
         return total
     if role in ("torque_measured1", "torque_measured2"):
         return motion.transmitted[int(role[-1]) - 1]
     return motion.held[role] if role in motion.held else motion.position[role]
 
 
-def _with_stale(channels: Channels, sensors: Sensors, seed: int) -> Channels:
+def _eccentric(x: Array, sensors: Sensors, role: str, seed: int, number: int) -> Array:
+    if sensors.eccentricity.get(role, 0.0) == 0.0:
+        return x
+    phase = stream(seed, f"eccentricity.{role}", number).uniform(0.0, 2.0 * math.pi)
+    turns = sensors.eccentricity_turns.get(role, 1.0)
+    return x + sensors.eccentricity[role] * np.sin(turns * x + phase)
+
+
+def _measured(x: Array, sensors: Sensors, role: str, seed: int, number: int) -> Array:
+    """Return what the electronics make of a channel, (K,)."""
+    if role in sensors.gain:
+        x = sensors.gain[role] * x
+    if role in sensors.offset:
+        x = x + sensors.offset[role]
+    if sensors.noise.get(role, 0.0) > 0.0:
+        noise = stream(seed, f"noise.{role}", number).standard_normal(x.size)
+        x = x + sensors.noise[role] * noise
+    return x
+
+
+def _converted(x: Array, sensors: Sensors, role: str, counts: Mapping[str, float]) -> Array:
+    """Return the numbers that come out of the converter or the counter, (K,), a fresh array."""
+    if role in sensors.saturation:
+        x = np.clip(x, -sensors.saturation[role], sensors.saturation[role])
+    x = quantise(x, counts[role]) if role in counts else x.copy()
+    return wrapped(x, sensors.wrap[role]) if role in sensors.wrap else x
+
+
+def _with_stuck(channels: Channels, sensors: Sensors, time: Array) -> Channels:
+    for role, (start, seconds) in sensors.stuck.items():
+        if role not in channels:
+            continue
+        # half a thousandth of a period: an instant that rounding puts before `start` is in
+        slack = 5e-4 * float(time[1] - time[0])
+        span = (time >= start - slack) & (time < start + seconds - slack)
+        if span.any():
+            first = int(np.argmax(span))
+            channels[role][span] = channels[role][max(first - 1, 0)]
+    return channels
+
+
+def _with_stale(channels: Channels, sensors: Sensors, seed: int, number: int) -> Channels:
     samples = next(iter(channels.values())).size
     shown = np.arange(samples)
-    shown[_runs("stale", samples, sensors.stale, 1, seed)] = 0
+    shown[runs("stale", samples, sensors.stale, 1, seed, number)] = 0
     shown = np.maximum.accumulate(shown)
     return {role: x[shown] for role, x in channels.items()}
 
 
-def _with_nans(channels: Channels, sensors: Sensors, seed: int) -> Channels:
+def _with_nans(channels: Channels, sensors: Sensors, seed: int, number: int) -> Channels:
     samples = next(iter(channels.values())).size
-    rows = _runs("nans", samples, sensors.nans, sensors.nan_rows, seed)
-    drawn = _stream(seed, "nan channel").integers(len(channels), size=sensors.nans)
+    rows = runs("nans", samples, sensors.nans, sensors.nan_rows, seed, number)
+    drawn = stream(seed, "nan channel", number).integers(len(channels), size=sensors.nans)
     hit = np.repeat(drawn, sensors.nan_rows)
-    for number, x in enumerate(channels.values()):
-        x[rows[hit == number]] = np.nan
+    for place, x in enumerate(channels.values()):
+        x[rows[hit == place]] = np.nan
     return channels
-
-
-def _runs(fault: str, samples: int, runs: int, rows: int, seed: int) -> NDArray[np.int64]:
-    """Return the samples in `runs` disjoint runs of `rows` each, never the first sample."""
-    slots = (samples - 1) // rows
-    if runs > slots:
-        raise RotatumError(
-            f"{runs} runs of {rows} do not fit into {samples} samples",
-            where=f"sensors.{fault}",
-            value=runs,
-            allowed=f"at most {slots}",
-        )
-    starts = 1 + rows * _stream(seed, fault).choice(slots, size=runs, replace=False)
-    return (starts[:, np.newaxis] + np.arange(rows)).ravel()
-
-
-def _stream(seed: int, fault: str) -> np.random.Generator:
-    # not default_rng([seed, i]): for i = 0 that is the same stream as default_rng(seed)
-    key = (STREAMS.index(fault),)
-    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))
