@@ -99,6 +99,14 @@ class ExtraError(RotatumError):
         self.extra = extra
         super().__init__(what, where=where, hint=f'Install it: pip install "rotatum[{extra}]".')
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """Say how it is made again in another process; `extra` has no default."""
+        return _extra_error, (self.what, self.extra, self.where)
+
+
+def _extra_error(what: str, extra: str, where: str | None) -> ExtraError:
+    return ExtraError(what, extra=extra, where=where)
+
 
 def nearest(name: str, allowed: Iterable[str]) -> str | None:
     """Return the allowed name most like `name`, or None if none is close.

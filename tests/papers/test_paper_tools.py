@@ -18,7 +18,7 @@ from rotatum.estimators.columns import Power
 from rotatum.evaluation.papers.case import Outcome, Value
 from rotatum.evaluation.papers.catalogue import PAPERS, asked_for
 from rotatum.evaluation.papers.frozen import FrozenLaw, raw_powers
-from rotatum.evaluation.papers.parallel import spread
+from rotatum.evaluation.parallel import spread
 
 LAW = FrozenLaw(
     (Power(1, 0), Power(1, 1), Power(1, 2), Power(3, 1)), np.array([2.0, -1.0, 5.0, 30.0]), 0.7
@@ -105,7 +105,7 @@ def test_numbers_json_does_not_have_become_null() -> None:
 def test_workers_end_with_a_killed_parent() -> None:
     code = (
         "import os, time\n"
-        "from rotatum.evaluation.papers.parallel import spread\n"
+        "from rotatum.evaluation.parallel import spread\n"
         "print(*spread(time.sleep, [0.3] * 6, workers=2))\n"
         "from joblib.externals.loky import get_reusable_executor\n"
         "print(*get_reusable_executor(max_workers=2, reuse=True)._processes, flush=True)\n"

@@ -19,6 +19,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
+from rotatum.record import Init, Step
 from rotatum.runtime.flatten import DRIVERS, flatten
 from rotatum.runtime.stage import Stage
 
@@ -44,7 +45,13 @@ def enabled() -> bool:
 
 def text_of(stage: Stage) -> str:
     """The stage's whole text: its kernels, flat, and the drivers around ``step``."""
-    return flatten(stage.init, stage.step) + DRIVERS
+    return _text(stage.init, stage.step)
+
+
+@lru_cache(maxsize=256)
+def _text(init: Init, step: Step) -> str:
+    # Reading and writing sources takes longer than a short run; a stage's functions do not change.
+    return flatten(init, step) + DRIVERS
 
 
 def interpreted(stage: Stage) -> Loops:

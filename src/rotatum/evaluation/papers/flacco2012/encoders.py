@@ -25,7 +25,7 @@ from rotatum.evaluation.papers.flacco2012.settings import (
     WIDE_BOUNDS,
     PaperSettings,
 )
-from rotatum.evaluation.papers.parallel import spread
+from rotatum.evaluation.parallel import spread
 from rotatum.logs import Log
 from rotatum.models import Device
 

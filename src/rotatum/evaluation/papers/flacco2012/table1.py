@@ -16,7 +16,7 @@ from rotatum.evaluation.papers.flacco2012.modality import (
     weak,
 )
 from rotatum.evaluation.papers.flacco2012.settings import VSA2
-from rotatum.evaluation.papers.parallel import spread
+from rotatum.evaluation.parallel import spread
 
 __all__ = ["CASE", "PRINTED"]
 

@@ -19,7 +19,7 @@ from rotatum.evaluation.papers.flacco2012.modality import (
     weak_law,
 )
 from rotatum.evaluation.papers.flacco2012.settings import AWAS
-from rotatum.evaluation.papers.parallel import spread
+from rotatum.evaluation.parallel import spread
 from rotatum.logs import Log
 from rotatum.models import Device, Setpoint
 
