@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rotatum.cli import demo, devices, estimate, export, reproduce
+from rotatum.cli import demo, devices, estimate, export, reproduce, simulate, sweep
 from rotatum.cli.failures import Verbs
 
 __all__ = ["app", "main"]
@@ -51,6 +51,8 @@ def _program(
 
 app.command("estimate")(estimate.estimate)
 app.command("demo")(demo.demo)
+app.command("simulate")(simulate.simulate)
+app.command("sweep")(sweep.sweep)
 app.command("devices")(devices.devices)
 app.command("reproduce")(reproduce.reproduce)
 app.add_typer(export.app, name="export")
