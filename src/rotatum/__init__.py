@@ -21,6 +21,16 @@ __getattr__, __dir__, __all__ = _lazy.attach(
         "models": ["Device", "Joint", "device_names", "load_device"],
         "report": ["plot", "write_report"],
         "runtime": ["Bank", "Stage"],
-        "simulation": ["Sensors", "demo_log", "simulate_joint"],
+        "simulation": [
+            "Effects",
+            "Payload",
+            "Scenario",
+            "Sensors",
+            "demo_log",
+            "load_scenario",
+            "scenario_names",
+            "simulate",
+            "simulate_joint",
+        ],
     },
 )

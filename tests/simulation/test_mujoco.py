@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 from rotatum.models import device_from_tables
 from rotatum.models.robot.packaged import read_urdf
-from rotatum.simulation.simulate import simulate
+from rotatum.simulation.device import simulate
 from tests.simulation.mujoco_arms import Arm, Elastic, Payload, build_twin, free_motion
 
 # In the plane x-z, angles from the horizontal: joint 1's z axis lies along -y. The second link is

@@ -12,7 +12,8 @@ from rotatum.simulation.drivers.drives import Inputs
 from rotatum.simulation.drivers.waves import multisine
 from rotatum.simulation.plant.bodies import Body, Plant
 from rotatum.simulation.plant.run import run_plant
-from rotatum.simulation.sensing.faults import logged_rows, quantise, readings
+from rotatum.simulation.sensing.faults import quantise, readings
+from rotatum.simulation.sensing.rows import logged_rows
 from rotatum.simulation.sensing.sensors import LOGGED, Sensors
 from rotatum.simulation.sensing.trajectory import trajectory
 from tests.simulation.plants import spring

@@ -5,27 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
-from rotatum.errors import RotatumError
-from rotatum.logs.clock import ClockWatch
 from rotatum.logs.log import Log
-from rotatum.record import Records
-from rotatum.simulation.drivers.drives import Inputs, sample_drives
+from rotatum.models.device import Device
+from rotatum.simulation.device import simulate
+from rotatum.simulation.drivers.drives import JointDrives
 from rotatum.simulation.drivers.waves import Drive
-from rotatum.simulation.payload import Payload, added
-from rotatum.simulation.plant.bodies import SMOOTHING, Plant, plant_of
+from rotatum.simulation.payload import Payload
+from rotatum.simulation.plant.bodies import SMOOTHING
 from rotatum.simulation.plant.effects import Effects
-from rotatum.simulation.plant.run import Course, course_warnings, run_plant, until
-from rotatum.simulation.sensing.faults import logged_rows, readings
-from rotatum.simulation.sensing.sensors import LOGGED, Sensors
-from rotatum.simulation.sensing.trajectory import trajectory
+from rotatum.simulation.sensing.sensors import Sensors
 
 if TYPE_CHECKING:
     from rotatum.models.joint import Joint
-
-LEAST = 2  # samples of a log
 
 
 def simulate_joint(
@@ -33,7 +24,7 @@ def simulate_joint(
     *,
     seconds: float,
     period: float,
-    drives: Mapping[str, Drive],
+    drives: JointDrives,
     sensors: Sensors | None = None,
     seed: int = 0,
     external: Drive | None = None,
@@ -43,7 +34,7 @@ def simulate_joint(
     payloads: Sequence[Payload] = (),
     smoothing: float = SMOOTHING,
 ) -> Log:
-    """Return the log of a joint driven open loop.
+    """Return the log of a joint, driven open loop or by feedback.
 
     Drives are sampled at the log's instants. Torques are limited to the motors' `torque_limit` and
     held until the next instant: the logged "tau" ("tau1", "tau2") is that command. A prescribed
@@ -60,10 +51,10 @@ def simulate_joint(
     seconds, period
         Duration and sampling period [s]; ``round(seconds / period)`` samples from t = 0.
     drives
-        role -> function of time (N,) -> (N,). Motor torques [N m], joint side: "tau" (series and
-        serial), "tau1" and "tau2" (antagonistic). Serial joints need one more: "setpoint", the
-        set-point s of the law (a lever arm in m, say), or "setpoint_angle", the angle of its motor
-        [rad], or "tau_setpoint", the torque at that motor's output [N m].
+        role -> function of time (N,) -> (N,), or feedback on a motor. Motor torques [N m], joint
+        side: "tau" (series and serial), "tau1" and "tau2" (antagonistic). Serial joints need one
+        more: "setpoint", the set-point s of the law (a lever arm in m, say), or "setpoint_angle",
+        the angle of its motor [rad], or "tau_setpoint", the torque at that motor's output [N m].
     sensors
         Faults; none but the device's encoder counts if not given.
     seed
@@ -100,84 +91,18 @@ def simulate_joint(
     `SimulationError` for a motion that runs away or leaves a law's range: its `log` is what was
     simulated until then.
     """
-    plant = plant_of(joint, smoothing=smoothing, effects=effects)
-    sensors = sensors if sensors is not None else Sensors()
-    sensors.fit(joint.actuation)
-    time = _instants(seconds, period)
-    inputs = sample_drives(joint, plant, time, drives, external)
-    loads = added(payloads, (joint.name,), time).get(joint.name)
-    course = run_plant(plant, inputs, start=start, substeps=substeps, added=loads)
-    if course.stopped is None:
-        return _log(joint, plant, inputs, course, sensors, external is not None, seed)
-    if course.at.size >= LEAST:
-        done = until(inputs, course.at.size)
-        course.stopped.log = _log(joint, plant, done, course, sensors, external is not None, seed)
-    raise course.stopped
-
-
-def _log(
-    joint: Joint,
-    plant: Plant,
-    inputs: Inputs,
-    course: Course,
-    sensors: Sensors,
-    external: bool,
-    seed: int,
-) -> Log:
-    time = inputs.time
-    roles = (*LOGGED[joint.actuation], *(("tau_ext",) if external else ()))
-    motion = trajectory(plant, inputs, course.at)
-    counts = _counts(joint, sensors)
-    channels = readings(motion, sensors, roles=roles, counts=counts, seed=seed)
-    channels |= _truth(course.at)
-    rows = logged_rows(time.size, sensors, seed=seed)
-    held = (*plant.torque_roles, "tau_ext")
-    watch = ClockWatch(float(time[1] - time[0]))
-    watch.add(time[rows])
-    clock = watch.clock()
-    return Log(
-        source=f"simulation of {joint.name}, seed {seed}",
-        time=time[rows],
-        joints={joint.name: {role: x[rows] for role, x in channels.items()}},
-        holds={joint.name: {role: "held" if role in held else "sampled" for role in channels}},
-        clock=clock,
-        warnings=(*clock.describe(), *course_warnings(plant, course)),
+    name = joint.name
+    return simulate(
+        Device(name, (joint,), source=f"joint {name}"),
+        seconds=seconds,
+        period=period,
+        drives={name: drives},
+        sensors=None if sensors is None else {name: sensors},
+        effects=None if effects is None else {name: effects},
+        external=None if external is None else {name: external},
+        payloads=payloads,
+        start=None if start is None else {name: start},
+        smoothing=smoothing,
+        substeps=substeps,
+        seed=seed,
     )
-
-
-def _instants(seconds: float, period: float) -> NDArray[np.float64]:
-    if not (period > 0.0 and np.isfinite(seconds) and round(seconds / period) >= 2):
-        raise RotatumError(
-            "a simulation needs a positive period and at least two of them",
-            where="seconds, period",
-            value=(seconds, period),
-        )
-    return period * np.arange(round(seconds / period), dtype=np.float64)
-
-
-def _counts(joint: Joint, sensors: Sensors) -> dict[str, float]:
-    if sensors.counts is not None:
-        return dict(sensors.counts)
-    encoders = joint.encoders
-    of_device = {
-        "q": encoders.link,
-        "theta": encoders.motor,
-        "theta1": encoders.motor,
-        "theta2": encoders.motor,
-        "setpoint": encoders.setpoint,
-    }
-    return {
-        role: counts
-        for role, counts in of_device.items()
-        if counts is not None and role in LOGGED[joint.actuation]
-    }
-
-
-def _truth(at: Records) -> dict[str, NDArray[np.float64]]:
-    truth = {"stiffness_true": at["stiffness_total"], "torque_true": at["torque_total"]}
-    motors = at["torque"].shape[1]
-    if motors > 1:
-        for m in range(motors):
-            truth[f"stiffness{m + 1}_true"] = at["stiffness"][:, m]
-            truth[f"torque{m + 1}_true"] = at["torque"][:, m]
-    return truth

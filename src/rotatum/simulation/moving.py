@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +18,7 @@ from rotatum.simulation.plant.arm_run import run_arm
 from rotatum.simulation.plant.bodies import Plant
 from rotatum.simulation.plant.lockstep import run_joints
 from rotatum.simulation.plant.params import drive_of, plant_params
-from rotatum.simulation.plant.run import course_warnings
+from rotatum.simulation.plant.run import course_warnings, until
 from rotatum.simulation.plant.train import trains_of
 from rotatum.simulation.sensing.trajectory import trajectory
 
@@ -41,6 +40,7 @@ def move(
     *,
     payloads: Sequence[Payload] = (),
     start: Mapping[str, Mapping[str, float]],
+    substeps: int | None = None,
     progress: Progress | None = None,
 ) -> Motion:
     """Return how the device moves under the inputs of its joints.
@@ -55,12 +55,14 @@ def move(
         Masses the links take up.
     start
         joint -> where it starts.
+    substeps
+        Integration steps per sample of joints without an arm.
     progress
         Called with samples done and expected.
     """
     if robot is not None:
         return _arm_motion(device, robot, plants, inputs, payloads, start, progress)
-    return _pendulum_motion(plants, inputs, payloads, start, progress)
+    return _pendulum_motion(plants, inputs, payloads, start, substeps, progress)
 
 
 def _arm_motion(
@@ -101,10 +103,13 @@ def _pendulum_motion(
     inputs: Sequence[Inputs],
     payloads: Sequence[Payload],
     start: Mapping[str, Mapping[str, float]],
+    substeps: int | None,
     progress: Progress | None,
 ) -> Motion:
     loads = added(payloads, [plant.name for plant in plants], inputs[0].time)
-    courses = run_joints(plants, inputs, start=start, added=loads, progress=progress)
+    courses = run_joints(
+        plants, inputs, start=start, added=loads, substeps=substeps, progress=progress
+    )
     stops = [course.stopped for course in courses if course.stopped is not None]
     # the joint that stopped first is the one to tell of
     first = min(courses, key=lambda course: course.at.size).stopped if stops else None
@@ -128,15 +133,7 @@ def _motion(
     joints, truth, acceleration = {}, {}, {}
     for plant, row, records in zip(plants, inputs, at, strict=True):
         good = records[:done]
-        cut = replace(
-            row,
-            time=row.time[:done],
-            tau=row.tau[:done],
-            tau_ext=row.tau_ext[:done],
-            angle=None if row.angle is None else row.angle[:done],
-            tau_setpoint=row.tau_setpoint[:done],
-        )
-        joints[plant.name] = trajectory(plant, cut, good)
+        joints[plant.name] = trajectory(plant, until(row, done), good)
         truth[plant.name] = Truth(_columns(good["stiffness"]), _columns(good["torque"]))
         acceleration[plant.name] = np.ascontiguousarray(good["ddq"])
     return Motion(

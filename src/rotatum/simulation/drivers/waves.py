@@ -10,17 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from rotatum.errors import RotatumError
 from rotatum.simulation.drivers.fields import refuse_infinite, refuse_not_positive
-from rotatum.simulation.drivers.paths import Ramps, hold
 
 __all__ = [
     "After",
     "Chirp",
     "Drive",
-    "Ramps",
     "Sawtooth",
     "Sines",
     "Square",
-    "hold",
     "multisine",
     "sine",
 ]

@@ -34,6 +34,7 @@ def run_joints(
     *,
     start: Starts,
     added: Mapping[str, Added],
+    substeps: int | None = None,
     progress: Callable[[int, int | None], None] | None = None,
 ) -> tuple[Course, ...]:
     """Return the motion of each plant under its inputs.
@@ -50,25 +51,33 @@ def run_joints(
         joint -> where it starts.
     added
         joint -> what a payload adds to its link.
+    substeps
+        Integration steps per sample; chosen for each plant if not given.
     progress
         Called with samples done and expected.
     """
     if not any(row.feedback for row in inputs):
         return tuple(
-            run_plant(plant, row, start=start.get(plant.name), added=added.get(plant.name))
+            run_plant(
+                plant,
+                row,
+                start=start.get(plant.name),
+                substeps=substeps,
+                added=added.get(plant.name),
+            )
             for plant, row in zip(plants, inputs, strict=True)
         )
     period = float(inputs[0].time[1] - inputs[0].time[0])
-    substeps: list[int | None] = [None] * len(plants)
+    counts: list[int | None] = [substeps] * len(plants)
     for _ in range(_TRIES):
-        courses = _together(plants, inputs, start, added, substeps, progress)
+        courses = _together(plants, inputs, start, added, counts, progress)
         needed = [
-            substeps_for(plant, period, course)
+            substeps_for(plant, period, course, substeps)
             for plant, course in zip(plants, courses, strict=True)
         ]
         if all(n <= course.substeps for n, course in zip(needed, courses, strict=True)):
             break
-        substeps = [max(n, course.substeps) for n, course in zip(needed, courses, strict=True)]
+        counts = [max(n, course.substeps) for n, course in zip(needed, courses, strict=True)]
     return courses
 
 

@@ -132,7 +132,7 @@ class Scenario:
         do not fit it, SimulationError for a motion that runs away or leaves a law's range; its
         `log` is what was simulated until then.
         """
-        from rotatum.simulation.simulate import simulate
+        from rotatum.simulation.device import simulate
 
         own = self.seed if seed is None else seed
         pushed = {plan.joint.name: plan.pushed(own) for plan in self.joints}

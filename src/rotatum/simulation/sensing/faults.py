@@ -8,12 +8,12 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from rotatum.simulation.sensing.rows import lateness, logged_rows
+from rotatum.simulation.sensing.rows import lateness
 from rotatum.simulation.sensing.sensors import Sensors
 from rotatum.simulation.sensing.streams import STREAMS, runs, stream
 from rotatum.simulation.sensing.trajectory import Trajectory
 
-__all__ = ["STREAMS", "Channels", "logged_rows", "quantise", "readings"]
+__all__ = ["STREAMS", "Channels", "quantise", "readings"]
 
 Array = NDArray[np.float64]
 Channels = dict[str, Array]

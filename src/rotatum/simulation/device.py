@@ -42,6 +42,7 @@ def simulate(
     start: Mapping[str, Mapping[str, float]] | None = None,
     log_period: float | None = None,
     smoothing: float = SMOOTHING,
+    substeps: int | None = None,
     seed: int = 0,
     told: Device | None = None,
     progress: Progress | None = None,
@@ -75,6 +76,8 @@ def simulate(
         control period.
     smoothing
         [rad/s] that the sign of Coulomb friction is regularised over.
+    substeps
+        Integration steps per sample of joints without an arm; chosen for the plant if not given.
     seed
         Of all random faults.
     told
@@ -111,6 +114,7 @@ def simulate(
         inputs,
         payloads=payloads,
         start=start or {},
+        substeps=substeps,
         progress=progress,
     )
 
