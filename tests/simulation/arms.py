@@ -86,7 +86,7 @@ def make(
 
 def run(arm: Arm, inputs: Sequence[Inputs]) -> ArmCourse:
     """Return the arm's motion."""
-    return run_arm(arm, inputs, names=[plant.name for plant in arm.plants])
+    return run_arm(arm, inputs)
 
 
 def column(course: ArmCourse, name: str) -> Array:

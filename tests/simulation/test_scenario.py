@@ -365,3 +365,17 @@ def _check(log: Log, read: Log, name: str, made: Scenario) -> None:
     for role in ("tau", "tau1", "tau2"):
         if role in channels and role in joint.channels:
             assert joint.channels[role].hold == log.holds[name][role] == read.holds[name][role]
+
+
+def test_a_quoted_key_of_the_truth_is_a_key_of_the_device():
+    base = load_scenario("trouble/clean")
+    quoted = base.with_values({'truth."motor.inertia"': 6e-5})
+    assert quoted.plant == load_scenario("trouble/rotor-inertia").plant
+    assert quoted.plant == base.with_values({"truth.motor.inertia": 6e-5}).plant
+    again = load_scenario("trouble/rotor-inertia").with_values({'truth."motor.inertia"': 7e-5})
+    assert again.plant.joints[0].motors[0].inertia.value == 7e-5
+
+
+def test_a_misspelt_table_of_the_sensors_is_told_of_the_encoders():
+    with pytest.raises(ScenarioError, match=r'sensors\.encoder".*Did you mean "encoders"\?'):
+        load_scenario("trouble/clean").with_values({"sensors.encoder.link": 4096.0})

@@ -18,7 +18,8 @@ from rotatum.simulation.plant.arm_run import run_arm
 from rotatum.simulation.plant.bodies import Plant
 from rotatum.simulation.plant.lockstep import run_joints
 from rotatum.simulation.plant.params import drive_of, plant_params
-from rotatum.simulation.plant.run import course_warnings, until
+from rotatum.simulation.plant.records import QUASI_STATIC
+from rotatum.simulation.plant.run import course_warnings, left_out, until
 from rotatum.simulation.plant.train import trains_of
 from rotatum.simulation.sensing.trajectory import trajectory
 
@@ -76,26 +77,29 @@ def _arm_motion(
 ) -> Motion:
     time = inputs[0].time
     period = float(time[1] - time[0])
-    params = [
-        plant_params(
-            plant,
-            start.get(plant.name, {}),
-            step=period,
-            substeps=1,
-            drive=drive_of(plant, period, prescribed=row.angle is not None),
-        )
+    drives = [
+        drive_of(plant, period, prescribed=row.angle is not None)
         for plant, row in zip(plants, inputs, strict=True)
+    ]
+    params = [
+        plant_params(plant, start.get(plant.name, {}), step=period, substeps=1, drive=drive)
+        for plant, drive in zip(plants, drives, strict=True)
     ]
     assert device.robot is not None  # it was built from it
     arm = Arm(robot, plants, trains_of(plants, params), device.robot.coupling_matrix)
     course = run_arm(
         arm,
         inputs,
-        names=[plant.name for plant in plants],
         robots=loaded(robot, payloads, time),
         progress=progress,
     )
-    return _motion(plants, inputs, course.at, course.stopped, robot, ())
+    warnings = tuple(
+        sentence
+        for plant, drive in zip(plants, drives, strict=True)
+        if drive == QUASI_STATIC
+        for sentence in left_out(plant, 1)
+    )
+    return _motion(plants, inputs, course.at, course.stopped, robot, warnings)
 
 
 def _pendulum_motion(

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,26 +14,17 @@ from rotatum.record import Records
 from rotatum.simulation.drivers.drives import Inputs
 from rotatum.simulation.drivers.feedback import Seen
 from rotatum.simulation.plant.arm import Arm
+from rotatum.simulation.plant.arm_march import MOST_STEPS, ArmMarch, Springs
 from rotatum.simulation.plant.bodies import Plant
-from rotatum.simulation.plant.explicit import BACK, END, TAKE
 from rotatum.simulation.plant.run import write_inputs
 from rotatum.simulation.plant.stops import failure, first_wrong
 from rotatum.simulation.plant.train import Train
 
-__all__ = ["MOST_STEPS", "ArmCourse", "run_arm"]
+__all__ = ["ArmCourse", "run_arm"]
 
 Array = NDArray[np.float64]
 
-# Step times fastest elastic mode. Twice too long where that mode swings, but it seldom does; the
-# error finds out.
-STEP_SWING = 1.0
-# Estimated errors are let pass in proportion to the springs' deflection [rad]: an elastic mode that
-# is all there is then keeps its energy to 2e-7 over 10 s at 380 rad/s.
-FULL_DEFLECTION = 0.1
-LEAST_ERROR = 1e-4
 LOOK = 256  # samples between two looks at whether a spring has left its range
-STIFFER = 1.2  # times the stiffness the steps were chosen for: they are chosen again
-MOST_STEPS = 1024
 
 
 class ArmCourse(NamedTuple):
@@ -55,91 +45,10 @@ class ArmCourse(NamedTuple):
     stopped: SimulationError | None
 
 
-class ArmMarch:
-    """An arm at an instant, moved on sample by sample.
-
-    Parameters
-    ----------
-    arm
-        Its equations.
-    period
-        Of the samples [s].
-    """
-
-    def __init__(self, arm: Arm, period: float) -> None:
-        self.arm = arm
-        self.period = period
-        self.steps, self.rejected = 0, 0
-        self.mode = 0.0
-        self.allowed = LEAST_ERROR
-        self._base = self._count = 1
-        self._nodes = [*_nodes(), 1.0]
-
-    def follow(self, mode: float) -> None:
-        """Choose the steps for a fastest elastic mode [rad/s]."""
-        self.mode = mode
-        self._base = max(1, math.ceil(mode * self.period / STEP_SWING))
-        self._count = max(self._count, self._base)
-
-    def report(self, records: Sequence[Records]) -> None:
-        """Write what the joints do now, under the inputs of this sample, train -> (n,)."""
-        self.arm.look(0, 0.0, records)
-        for train, record in zip(self.arm.trains, records, strict=True):
-            train.fresh[:] = 1
-            reached = float(np.max(np.abs(record["deflection"]))) / FULL_DEFLECTION
-            self.allowed = min(1.0, max(self.allowed, reached))
-
-    def advance(self) -> bool:
-        """Move on by a sample; return whether that could be done.
-
-        Needs a `report` before. The number of steps is doubled until the error of each is
-        allowed, and halved again when it is far below.
-        """
-        while self._count <= MOST_STEPS:
-            worst = self._try(self._count)
-            if worst <= self.allowed:
-                self.steps += self._count
-                # halving raises an eighth-order error by 2^8, and the margin is for what comes
-                if worst < 1e-3 * self.allowed and self._count > self._base:
-                    self._count //= 2
-                return True
-            self.rejected += self._count
-            self._count *= 2
-            for train in self.arm.trains:
-                train.look(BACK)
-        return False
-
-    def _try(self, count: int) -> float:
-        worst = 0.0
-        for train in self.arm.trains:
-            train.step[:] = self.period / count
-        for k in range(count):
-            for part in range(1, END + 1):
-                self.arm.look(part, (k + self._nodes[part]) / count)
-                if part == 1:
-                    for train in self.arm.trains:
-                        train.fresh[:] = 0
-            for train in self.arm.trains:
-                train.look(TAKE)
-                error = float(np.max(train.error))
-                if not error <= self.allowed:
-                    return math.inf
-                worst = max(worst, error)
-        return worst
-
-
-def _nodes() -> list[float]:
-    from scipy.integrate import DOP853
-
-    nodes: list[float] = DOP853.C[: DOP853.n_stages].tolist()
-    return nodes
-
-
 def run_arm(
     arm: Arm,
     inputs: Sequence[Inputs],
     *,
-    names: Sequence[str],
     robots: Mapping[int, Robot] | None = None,
     progress: Callable[[int, int | None], None] | None = None,
 ) -> ArmCourse:
@@ -155,8 +64,6 @@ def run_arm(
     ----------
     inputs
         One for each joint, on the same instants.
-    names
-        Of the joints.
     robots
         Sample -> robot from there on (payloads).
     progress
@@ -166,7 +73,7 @@ def run_arm(
     period = float(time[1] - time[0])
     march = ArmMarch(arm, period)
     feedback, control = any(row.feedback for row in inputs), inputs[0].control
-    springs = _Springs(arm)
+    springs = Springs(arm)
     u = [train_inputs(arm, train, inputs) for train in arm.trains]
     at = [train.bank.stage.output.zeros(time.size, len(train.joints)) for train in arm.trains]
     rails = _rails(arm, inputs, period)
@@ -178,7 +85,7 @@ def run_arm(
             rail.train.position[rail.place, -1] = rail.angle[k]
             rail.train.velocity[rail.place, -1] = rail.rate[k]
         if feedback and k % control == 0:
-            _look(arm, inputs, names, u, k)
+            _look(arm, inputs, u, k)
         for train, rows in zip(arm.trains, u, strict=True):
             train.acts[:] = rows[k]
         march.report([records[k] for records in at])
@@ -227,11 +134,9 @@ def _rails(arm: Arm, inputs: Sequence[Inputs], period: float) -> list[_Rail]:
     return rails
 
 
-def _look(
-    arm: Arm, inputs: Sequence[Inputs], names: Sequence[str], u: Sequence[Records], k: int
-) -> None:
+def _look(arm: Arm, inputs: Sequence[Inputs], u: Sequence[Records], k: int) -> None:
     """Ask feedback for the torques of the coming control period; the log's too."""
-    seen = _seen(arm, names, float(inputs[0].time[k]))
+    seen = _seen(arm, float(inputs[0].time[k]))
     for train, rows in zip(arm.trains, u, strict=True):
         for place, joint in enumerate(train.joints):
             held = slice(k, k + inputs[joint].control)
@@ -241,7 +146,8 @@ def _look(
                 inputs[joint].tau[held, motor] = tau
 
 
-def _seen(arm: Arm, names: Sequence[str], time: float) -> Seen:
+def _seen(arm: Arm, time: float) -> Seen:
+    names = [plant.name for plant in arm.plants]
     q, dq = np.zeros((2, len(names)))
     theta, dtheta = {}, {}
     for train in arm.trains:
@@ -250,33 +156,6 @@ def _seen(arm: Arm, names: Sequence[str], time: float) -> Seen:
             theta[names[joint]] = train.position[place, 1:-1].copy()
             dtheta[names[joint]] = train.velocity[place, 1:-1].copy()
     return Seen(time, q, dq, theta, dtheta)
-
-
-class _Springs:
-    """The stiffest the springs have been, by joint."""
-
-    def __init__(self, arm: Arm) -> None:
-        self.q = np.zeros(len(arm.plants))
-        self.stiffest = [[0.0] * len(plant.motors) for plant in arm.plants]
-        self._trains = arm.trains
-        self._limits = [np.full(len(train.joints), -1.0) for train in arm.trains]
-
-    def stiffer(self, records: Sequence[Records]) -> bool:
-        """Return whether a spring is so much stiffer that steps should be chosen again."""
-        if not any(np.any(r["stiffness_total"] > limit) for r, limit in self._now(records)):
-            return False
-        for train, record, limit in zip(self._trains, records, self._limits, strict=True):
-            total = np.abs(record["stiffness"]).sum(axis=1)
-            np.maximum(limit, STIFFER * total, out=limit)
-            self.q[train.joints] = record["q"]
-            for place, joint in enumerate(train.joints):
-                known = self.stiffest[joint]
-                now = np.abs(record["stiffness"][place]).tolist()
-                known[:] = [max(a, b) for a, b in zip(known, now, strict=True)]
-        return True
-
-    def _now(self, records: Sequence[Records]) -> Iterator[tuple[Records, Array]]:
-        return zip(records, self._limits, strict=True)
 
 
 def _by_joint(arm: Arm, at: Sequence[Records], done: int) -> tuple[Records, ...]:

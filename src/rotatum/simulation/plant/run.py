@@ -18,7 +18,15 @@ from rotatum.simulation.plant.march import March, at_rest
 from rotatum.simulation.plant.steps import choose_substeps
 from rotatum.simulation.plant.stops import failure, first_wrong
 
-__all__ = ["Course", "course_of", "course_warnings", "run_plant", "substeps_for", "write_inputs"]
+__all__ = [
+    "Course",
+    "course_of",
+    "course_warnings",
+    "left_out",
+    "run_plant",
+    "substeps_for",
+    "write_inputs",
+]
 
 Array = NDArray[np.float64]
 Added = tuple[Array, Array]
@@ -98,12 +106,18 @@ def course_of(plant: Plant, time: Array, at: Records, march: March) -> Course:
 
 def course_warnings(plant: Plant, course: Course) -> tuple[str, ...]:
     """Return what a log of this course should say about how it was simulated."""
-    if not course.quasi_static or plant.setpoint_motor is None:
+    return left_out(plant, course.substeps) if course.quasi_static else ()
+
+
+def left_out(plant: Plant, substeps: int) -> tuple[str, ...]:
+    """Say that a set-point motor was taken without its inertia, at so many steps a sample."""
+    if plant.setpoint_motor is None:
         return ()
     rate = plant.setpoint_motor.rate(plant.smoothing)
+    steps = f"{substeps} integration step{'s' if substeps > 1 else ''}"
     return (
         f"{plant.name}: friction stops the set-point motor at a rate of {rate:.3g} 1/s, too fast "
-        f"for {course.substeps} integration steps a sample; simulated without its inertia.",
+        f"for {steps} a sample; simulated without its inertia.",
     )
 
 

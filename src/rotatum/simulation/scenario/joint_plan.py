@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydantic import ValidationError
 
-from rotatum.errors import RotatumError, ScenarioError
+from rotatum.errors import RotatumError, ScenarioError, nearest
 from rotatum.models.explain import explain
 from rotatum.simulation.drivers.compensation import GravityCompensation
 from rotatum.simulation.drivers.feedback import Feedback
@@ -146,6 +146,16 @@ def _sensors(
     """Read the table [sensors]: faults, and counts of the encoders."""
     place = _place(own, joint.name, ("sensors",)) + "sensors."
     faults = {name: value for name, value in raw.items() if name != "encoders"}
+    known = ("encoders", *(field.name for field in fields(Sensors)))
+    for name in faults:
+        if name not in known:
+            close = nearest(name, known)
+            raise ScenarioError(
+                f'unknown key "{place}{name}"',
+                where=source,
+                allowed=known,
+                hint=f'Did you mean "{close}"?' if close else None,
+            )
     try:
         table = SensorsTable.model_validate({k: v for k, v in raw.items() if k not in faults})
     except ValidationError as error:

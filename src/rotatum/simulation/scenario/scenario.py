@@ -103,7 +103,8 @@ class Scenario:
         for key, value in values.items():
             path = path_of(key)
             if path[0] in ("truth", "told") and len(path) > 1:
-                below = key.partition(".")[2]
+                # a quoted key is one name here and a dotted key of the device file
+                below = str(path[1]) if len(path) == 2 else key.partition(".")[2]
                 tables[path[0]] = {**_dotted_values(tables.get(path[0], {})), below: value}
             else:
                 tables = assigned(tables, path, value)
