@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks import batch, commands, native, online, scenario
+from benchmarks import batch, commands, native, online, scenario, simulation
 from benchmarks.table import Figure, as_json, as_text
 from benchmarks.timing import say
 
@@ -26,7 +26,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--large", action="store_true", help="also 25 million joint-samples (minutes, 1 GB of disk)"
     )
     parser.add_argument(
-        "--only", choices=("batch", "online", "commands"), help="only this group of figures"
+        "--only",
+        choices=("batch", "online", "simulation", "commands"),
+        help="only this group of figures",
     )
     parser.add_argument(
         "--repetitions", type=int, default=200, metavar="N", help="turns of short runs (200)"
@@ -58,6 +60,8 @@ def _figures(options: argparse.Namespace, directory: Path) -> list[Figure]:
                 found += batch.figures(case, joint, directory, options.repetitions)
     if only in (None, "online"):
         found += online.figures(max(1, options.repetitions // 10))
+    if only in (None, "simulation"):
+        found += simulation.figures(directory, max(1, options.repetitions // 20))
     if only in (None, "commands"):
         found += commands.figures(directory)
     if options.large:

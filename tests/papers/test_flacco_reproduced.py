@@ -8,7 +8,6 @@ import pytest
 from rotatum.evaluation.papers.case import Case, Outcome
 from rotatum.evaluation.papers.flacco2012 import awas, encoders, table1, table2, vsa2
 from rotatum.evaluation.papers.flacco2012.antagonistic_figures import MOTION, SHAPE
-from rotatum.evaluation.papers.flacco2012.arm import CASE as ARM
 from rotatum.evaluation.papers.flacco2012.experiment import CASE as EXPERIMENT
 from rotatum.evaluation.papers.flacco2012.modality import channels, score, total, weak, weak_law
 from rotatum.evaluation.papers.flacco2012.serial_figures import CASE as FIGURES
@@ -180,12 +179,3 @@ def test_constant_factors_are_worse_than_eq_41() -> None:
     constant = [v.own for v in outcome.values if "constant" in v.label]
     assert constant
     assert all(error is None or not error < 100.0 * varying for error in constant)
-
-
-def test_the_arm_is_not_pretended() -> None:
-    outcome = ARM.run(lambda done, expected: None, True)
-    assert ARM.waits
-    assert not outcome.figures
-    assert outcome.value("gravity torque at joint 1, arm stretched out").own == pytest.approx(
-        2.67, abs=0.005
-    )

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rotatum.evaluation.papers.case import Case, Curve, Figure, Map, Outcome, Plot, Value
-from rotatum.evaluation.papers.catalogue import PAPERS
+from rotatum.evaluation.papers.catalogue import PAPERS, Paper
 from rotatum.report.case_page import case_page
 from tests.cli.runs import run
 
@@ -35,13 +35,22 @@ def test_a_case_prints_its_table_and_writes_its_page(
     assert page.count("data-plot=") == 2  # figures
 
 
-def test_what_waits_says_so_and_is_no_success(tmp_path: Path) -> None:
-    done = run("reproduce", "flacco2012:sec6.3", "-o", tmp_path, "--json")
+def test_what_waits_says_so_and_is_no_success(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    outcome = Outcome((Value("why", "1", own=2.0),), findings=("Not reproduced.",))
+    case = Case("later", "a table", "", (), lambda p, q: outcome, "waits for a method")
+    monkeypatch.setitem(PAPERS, "someone2030", Paper("someone2030", "A title", (case,)))
+    done = run("reproduce", "someone2030:later", "-o", tmp_path, "--json")
     assert done.code == 1
-    assert "waits for the simulator of several joints" in done.err
+    assert "later waits for a method" in done.err
     (told,) = json.loads(done.out).values()
-    assert told["values"][0]["paper_settings"] > 2.6
-    assert "Not reproduced" in told["findings"][0]
+    assert told["values"][0]["paper_settings"] == 2.0
+    assert told["findings"] == ["Not reproduced."]
+
+
+def test_nothing_of_a_paper_waits() -> None:
+    assert not [case.name for paper in PAPERS.values() for case in paper.cases if case.waits]
 
 
 def test_a_misspelt_case_is_bad_input(tmp_path: Path) -> None:

@@ -29,9 +29,14 @@ def fill_weak(
     record["period"] = period
     record["pole"] = math.exp(-settings.cutoff * period)
     # No transient to wait for (see kernels.weak), only for the low-pass to average noise.
-    record["settle"] = 3 + math.ceil(3.0 / (settings.cutoff * period))
+    record["settle"] = 3 + _samples(3.0 / settings.cutoff, period)
     record["held"] = int(held)
     _motor_constants(record, joint, motor)
+
+
+def _samples(seconds: float, period: float) -> int:
+    """Return how many periods it takes; a period read back from a file is off by its rounding."""
+    return math.ceil(seconds / period - 1e-9)
 
 
 def fill_friction(
@@ -60,7 +65,7 @@ def fill_residual(
     record["period"] = period
     record["gain"] = settings.cutoff
     # The residual starts from 0: exp(-8) of the first torque is left after 8 time constants.
-    record["settle"] = 1 + math.ceil(8.0 / (settings.cutoff * period))
+    record["settle"] = 1 + _samples(8.0 / settings.cutoff, period)
     record["held"] = int(held)
     record["offset"] = int("offset" in settings.fit)
     _motor_constants(record, joint, motor)

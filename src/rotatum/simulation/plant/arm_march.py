@@ -16,9 +16,9 @@ __all__ = ["MOST_STEPS", "ArmMarch", "Springs"]
 
 Array = NDArray[np.float64]
 
-# Step times fastest elastic mode. Twice too long where that mode swings, but it seldom does; the
+# Step times fastest elastic mode: thrice too long where that mode swings, but it seldom does; the
 # error finds out.
-STEP_SWING = 1.0
+STEP_SWING = 1.25
 # Estimated errors are let pass in proportion to the springs' deflection [rad]: an elastic mode that
 # is all there is then keeps its energy to 2e-7 over 10 s at 380 rad/s.
 FULL_DEFLECTION = 0.1

@@ -12,7 +12,7 @@ from rotatum.errors import SimulationError
 from rotatum.models.robot.interface import Robot
 from rotatum.record import Records
 from rotatum.simulation.drivers.drives import Inputs
-from rotatum.simulation.drivers.feedback import Seen
+from rotatum.simulation.drivers.feedback import Feedback, Seen
 from rotatum.simulation.plant.arm import Arm
 from rotatum.simulation.plant.arm_march import MOST_STEPS, ArmMarch, Springs
 from rotatum.simulation.plant.bodies import Plant
@@ -55,7 +55,7 @@ def run_arm(
     """Return the arm's motion under the inputs of its joints.
 
     Dormand and Prince's method of order 8, torques held over each sample. Steps are at most
-    1 rad of the fastest elastic mode long, at the stiffest deflections met so far, and shorter
+    1.25 rad of the fastest elastic mode long, at the stiffest deflections met so far, and shorter
     where the estimated error of one exceeds 1e-7 of the largest deflection so far (1e-8 rad, 1e-6
     rad/s and 1e-6 of a hysteresis at 0.1 rad): where stiff modes swing, Coulomb friction, backlash,
     stiff motors.
@@ -72,11 +72,10 @@ def run_arm(
     time = inputs[0].time
     period = float(time[1] - time[0])
     march = ArmMarch(arm, period)
-    feedback, control = any(row.feedback for row in inputs), inputs[0].control
     springs = Springs(arm)
     u = [train_inputs(arm, train, inputs) for train in arm.trains]
     at = [train.bank.stage.output.zeros(time.size, len(train.joints)) for train in arm.trains]
-    rails = _rails(arm, inputs, period)
+    rails, feedback = _rails(arm, inputs, period), _Feedback(arm, inputs, u)
     done = time.size
     for k in range(time.size):
         if robots and k in robots:
@@ -84,8 +83,7 @@ def run_arm(
         for rail in rails:
             rail.train.position[rail.place, -1] = rail.angle[k]
             rail.train.velocity[rail.place, -1] = rail.rate[k]
-        if feedback and k % control == 0:
-            _look(arm, inputs, u, k)
+        feedback.look(k, float(time[k]))
         for train, rows in zip(arm.trains, u, strict=True):
             train.acts[:] = rows[k]
         march.report([records[k] for records in at])
@@ -134,28 +132,40 @@ def _rails(arm: Arm, inputs: Sequence[Inputs], period: float) -> list[_Rail]:
     return rails
 
 
-def _look(arm: Arm, inputs: Sequence[Inputs], u: Sequence[Records], k: int) -> None:
-    """Ask feedback for the torques of the coming control period; the log's too."""
-    seen = _seen(arm, float(inputs[0].time[k]))
-    for train, rows in zip(arm.trains, u, strict=True):
-        for place, joint in enumerate(train.joints):
-            held = slice(k, k + inputs[joint].control)
-            for motor, feedback in inputs[joint].feedback.items():
-                tau = feedback.torque(seen)
-                rows["tau"][held, place, motor] = tau
-                inputs[joint].tau[held, motor] = tau
+class _Feedback:
+    """Drivers that look at the arm: what they see, and where their torques go.
 
+    Views are made once, because a look comes every control period.
+    """
 
-def _seen(arm: Arm, time: float) -> Seen:
-    names = [plant.name for plant in arm.plants]
-    q, dq = np.zeros((2, len(names)))
-    theta, dtheta = {}, {}
-    for train in arm.trains:
-        q[train.joints], dq[train.joints] = train.position[:, 0], train.velocity[:, 0]
-        for place, joint in enumerate(train.joints):
-            theta[names[joint]] = train.position[place, 1:-1].copy()
-            dtheta[names[joint]] = train.velocity[place, 1:-1].copy()
-    return Seen(time, q, dq, theta, dtheta)
+    def __init__(self, arm: Arm, inputs: Sequence[Inputs], u: Sequence[Records]) -> None:
+        self._trains = arm.trains
+        self._q, self._dq = np.zeros((2, len(arm.plants)))
+        self._theta: dict[str, Array] = {}
+        self._dtheta: dict[str, Array] = {}
+        self._drivers: list[tuple[Feedback, Array, Array]] = []
+        self.control = inputs[0].control
+        for train, rows in zip(arm.trains, u, strict=True):
+            for place, joint in enumerate(train.joints):
+                name = arm.plants[joint].name
+                self._theta[name] = train.position[place, 1:-1]
+                self._dtheta[name] = train.velocity[place, 1:-1]
+                for motor, feedback in inputs[joint].feedback.items():
+                    felt, logged = rows["tau"][:, place, motor], inputs[joint].tau[:, motor]
+                    self._drivers.append((feedback, felt, logged))
+
+    def look(self, k: int, time: float) -> None:
+        """Ask for the torques of the control period that begins with sample k; the log's too."""
+        if not self._drivers or k % self.control:
+            return
+        for train in self._trains:
+            self._q[train.places] = train.position[:, 0]
+            self._dq[train.places] = train.velocity[:, 0]
+        seen = Seen(time, self._q, self._dq, self._theta, self._dtheta)
+        for feedback, felt, logged in self._drivers:
+            tau = feedback.torque(seen)
+            felt[k : k + self.control] = tau
+            logged[k : k + self.control] = tau
 
 
 def _by_joint(arm: Arm, at: Sequence[Records], done: int) -> tuple[Records, ...]:
