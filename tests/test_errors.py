@@ -24,7 +24,7 @@ def test_a_long_list_is_cut_short() -> None:
 
 def test_every_error_is_a_rotatum_error() -> None:
     kinds = [getattr(errors, name) for name in errors.__all__ if name.endswith("Error")]
-    assert len(kinds) == 7
+    assert len(kinds) == 9
     assert all(issubclass(kind, RotatumError) for kind in kinds)
 
 

@@ -14,6 +14,7 @@ from tests.cli.runs import run
 from tests.report.scenes import lever_log, pair_log
 
 LOGS = {"vsa-ii": pair_log, "awas": lever_log}
+OTHER_TORQUES = (("vsa-ii", "model"), ("awas", "model"), ("awas", "sensor"))
 
 
 @pytest.fixture(scope="module")
@@ -71,8 +72,14 @@ def test_a_serial_joint_is_one_line(folder: Path) -> None:
     assert "awas: informative" in done.out
 
 
-@pytest.mark.parametrize("torque", ["model", "sensor"])
-@pytest.mark.parametrize("name", LOGS)
+@pytest.mark.parametrize(
+    ("name", "torque"),
+    [
+        ("vsa-ii", "sensor"),
+        # one stage more to compile for each of these
+        *(pytest.param(*pair, marks=pytest.mark.slow) for pair in OTHER_TORQUES),
+    ],
+)
 def test_torque_from_elsewhere(folder: Path, name: str, torque: str) -> None:
     told = estimate(folder, name, "--torque", torque)
     assert told["torque"] == torque
@@ -82,6 +89,7 @@ def test_torque_from_elsewhere(folder: Path, name: str, torque: str) -> None:
     assert told != estimate(folder, name)
 
 
+@pytest.mark.slow
 def test_shrinkage_can_be_switched(folder: Path) -> None:
     default, shrunk, plain = (
         estimate(folder, "awas", *options)

@@ -14,6 +14,7 @@ from rotatum.simulation.scenario import load_scenario
 from tests.cli.runs import Outcome, run
 from tests.report.scenes import DEVICE, STIFFNESS
 
+
 SCENARIO = """\
 device = "elbow.toml"
 seconds = 3.0
@@ -35,6 +36,11 @@ noise = { tau = 0.05 }
 method = "weak"
 start = 1.0
 """
+
+
+@pytest.fixture(autouse=True)
+def wide(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "160")  # a narrow terminal folds the keys
 
 
 @pytest.fixture

@@ -171,6 +171,7 @@ def test_a_wrong_zero_of_the_link_is_told_for_each_transmission(
         assert float(off[1]) == pytest.approx(-1e3 * SHIFT, rel=0.1)
 
 
+@pytest.mark.slow
 def test_residual_runs_and_weak_is_better(device: Device) -> None:
     weak, residual = [], []
     for seed in SEEDS:

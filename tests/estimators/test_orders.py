@@ -19,7 +19,7 @@ SEEDS = (0, 1, 2)
 START = 2000  # samples before the first that is scored
 NOWHERE = 1e-12  # prior variance of a column that is left out; others have 1e8
 # Odd powers, estimated; all powers of two unlike springs, measured; with a set-point, measured.
-DEVICES = ("vsa-ii", "bavs", "maccepa-vd")
+DEVICES = ("vsa-ii", pytest.param("bavs", marks=pytest.mark.slow), "maccepa-vd")
 
 
 def estimator(device: Device, log: Log) -> Estimator:

@@ -26,6 +26,7 @@ def quickly(case: Case) -> Outcome:
     return outcome
 
 
+@pytest.mark.slow
 def test_table1_with_the_papers_settings() -> None:
     outcome = quickly(table1.CASE)
     for modality in ("MODEL", "SENSOR", "RESIDUAL"):

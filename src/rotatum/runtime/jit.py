@@ -82,17 +82,20 @@ def compiled(stage: Stage) -> Loops:
 def _compiled(name: str, text: str, key: tuple[Any, ...]) -> Loops:
     import numba
     import numpy as np
+    from filelock import FileLock
 
     versions = f"{numba.__version__} {np.__version__} {sys.version}"
     digest = hashlib.sha256(f"{versions}\n{key!r}\n{text}".encode()).hexdigest()[:20]
     directory = _cache_root() / digest
-    try:
-        return _compile(numba, directory, name, text, key)
-    except Exception:
-        # A cache cut off while it was written, or damaged: unpickling it may raise anything.
-        # Made anew; what was no fault of the cache is raised again.
-        shutil.rmtree(directory, ignore_errors=True)
-        return _compile(numba, directory, name, text, key)
+    # Processes that start together would each compile the same text: one does, the others load.
+    with FileLock(directory.with_suffix(".lock")):
+        try:
+            return _compile(numba, directory, name, text, key)
+        except Exception:
+            # A cache cut off while it was written, or damaged: unpickling it may raise anything.
+            # Made anew; what was no fault of the cache is raised again.
+            shutil.rmtree(directory, ignore_errors=True)
+            return _compile(numba, directory, name, text, key)
 
 
 def _compile(numba: Any, directory: Path, name: str, text: str, key: tuple[Any, ...]) -> Loops:
