@@ -14,7 +14,6 @@ from rotatum.simulation.scenario import load_scenario
 from tests.cli.runs import Outcome, run
 from tests.report.scenes import DEVICE, STIFFNESS
 
-
 SCENARIO = """\
 device = "elbow.toml"
 seconds = 3.0
