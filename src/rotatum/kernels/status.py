@@ -84,7 +84,8 @@ TABLE: tuple[Status, ...] = (
         INERTIA,
         "the residual follows the motor's acceleration: a wrong inertia, a torque that is "
         "not what the channel says (torque constant, gear ratio), or the lag of the filters of "
-        "`residual`; fit `inertia`, or use `weak`",
+        "`residual`: fit `inertia`, or use `weak`; or time stamps that jitter, of which fitting "
+        "makes it worse: lower the cutoff",
     ),
     Status(
         "offset",
