@@ -137,6 +137,22 @@ def test_noise_in_a_column_is_bounded_by_what_it_does():
     assert (told["stiffness_std"] < 2.0 * TRUTH[-1] * v).all()
 
 
+def test_a_fitted_quantity_drowned_in_noise_says_so():
+    # Noise of twice the column's own variance leaves a third of the coefficient.
+    v, n, joints = 2.0, 4096, 20
+    rng, R = rows(69, n, joints)
+    y = R @ TRUTH + 0.01 * rng.standard_normal((n, joints))
+    R[:, :, 0] += math.sqrt(v) * rng.standard_normal((n, joints))
+    told = RowBank(joints, noise=[v, 0.0]).run(R, y)[-1]
+    off = TRUTH[0] - told["coefficients"][:, 0]
+    # 4096 rows whose residual is 2.4 leave 0.02 of the coefficient to chance, 20 of them 0.005
+    assert off.mean() == pytest.approx(TRUTH[0] * v / (1.0 + v), rel=0.02)
+    # What is seen is the rest; the deviation is the bias, not the bias of the rest. P_jj of 4096 rows
+    # scatters by 2.2 %, a / (1 - a) at a = 2/3 by three times that, and three deviations are 20 %.
+    assert (off < 1.96 * told["coefficients_std"][:, 0]).all()
+    np.testing.assert_allclose(told["coefficients_std"][:, 0], off, rtol=0.2)
+
+
 def test_probes_are_sums_over_rows_that_are_adjacent():
     # Once settled, 400 rows, then the filters start anew, then 304: nothing reaches across the cut.
     start, cut, end, lag = 2000, 2400, 2705, 3  # whole blocks
