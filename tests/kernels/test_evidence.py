@@ -147,7 +147,7 @@ def test_a_fitted_quantity_drowned_in_noise_says_so():
     off = TRUTH[0] - told["coefficients"][:, 0]
     # 4096 rows whose residual is 2.4 leave 0.02 of the coefficient to chance, 20 of them 0.005
     assert off.mean() == pytest.approx(TRUTH[0] * v / (1.0 + v), rel=0.02)
-    # What is seen is the rest; the deviation is the bias, not the bias of the rest. P_jj of 4096 rows
+    # What is seen is the rest; the deviation is the bias, not the rest's. P_jj of 4096 rows
     # scatters by 2.2 %, a / (1 - a) at a = 2/3 by three times that, and three deviations are 20 %.
     assert (off < 1.96 * told["coefficients_std"][:, 0]).all()
     np.testing.assert_allclose(told["coefficients_std"][:, 0], off, rtol=0.2)
