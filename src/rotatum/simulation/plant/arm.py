@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from rotatum.models.robot.interface import Robot
 from rotatum.record import Records
 from rotatum.simulation.plant.bodies import Plant
+from rotatum.simulation.plant.effects import StiffnessDrift
 from rotatum.simulation.plant.train import Train
 
 __all__ = ["Arm"]
@@ -52,6 +53,7 @@ class Arm:
         self._felt = self._share @ coupling.T
         self._alone = trains[0] if len(trains) == 1 else None
         self._q, self._dq, self._net, self._motor_net = np.zeros((4, len(plants)))
+        self._drifting = any(plant.effects.drift != StiffnessDrift() for plant in plants)
         for train in self.trains:
             train.coupled[:] = int(self._coupled)
 
@@ -67,19 +69,22 @@ class Arm:
         records
             train -> (n,) outputs, to be written; None: not wanted.
         """
+        alone = self._alone
         for i, train in enumerate(self.trains):
-            train.share[:] = share
+            if self._drifting:
+                train.share[:] = share
             train.look(part, None if records is None else records[i])
-        if self._alone is None:
-            for train in self.trains:
+            if alone is None:
                 self._q[train.places], self._dq[train.places] = train.q, train.dq
                 self._net[train.places] = train.net
                 self._motor_net[train.places] = train.motor_net
+        if alone is None:
             self._accelerate(self._q, self._dq, self._net, self._motor_net)
+        elif self._coupled:
+            self._accelerate(alone.q, alone.dq, alone.net, alone.motor_net)
         else:
             # one train of all joints: its views are the arm's, and nothing need be copied
-            at = self._alone
-            self._accelerate(at.q, at.dq, at.net, at.motor_net)
+            alone.ddq[:] = self.robot.accelerate(alone.q, alone.dq, alone.net)
         for train, record in zip(self.trains, records or (), strict=False):
             record["ddq"] = train.ddq
 

@@ -24,6 +24,7 @@ __all__ = ["ArmCourse", "run_arm"]
 
 Array = NDArray[np.float64]
 
+OFTEN = 8  # samples between two looks at the springs; in between the steps' errors speak
 LOOK = 256  # samples between two looks at whether a spring has left its range
 
 
@@ -86,9 +87,12 @@ def run_arm(
         feedback.look(k, float(time[k]))
         for train, rows in zip(arm.trains, u, strict=True):
             train.acts[:] = rows[k]
-        march.report([records[k] for records in at])
-        if springs.stiffer([records[k] for records in at]):
-            march.follow(arm.fastest_mode(springs.q, springs.stiffest))
+        now = [records[k] for records in at]
+        march.report(now)
+        if k % OFTEN == 0:
+            march.allow(now)
+            if springs.stiffer(now):
+                march.follow(arm.fastest_mode(springs.q, springs.stiffest))
         if k % LOOK == LOOK - 1:
             if progress is not None:
                 progress(k + 1, time.size)
