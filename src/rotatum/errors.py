@@ -15,6 +15,7 @@ __all__ = [
     "RotatumError",
     "ScenarioError",
     "SimulationError",
+    "check_names",
     "nearest",
 ]
 
@@ -102,6 +103,26 @@ class ExtraError(RotatumError):
     def __reduce__(self) -> tuple[object, ...]:
         """Say how it is made again in another process; `extra` has no default."""
         return _extra_error, (self.what, self.extra, self.where)
+
+
+def check_names(names: Iterable[str], allowed: Sequence[str], *, what: str, where: str) -> None:
+    """Refuse names that are not allowed, suggesting the nearest one that is.
+
+    Parameters
+    ----------
+    names : as they were given.
+    allowed : the names there are.
+    what, where : of the error.
+
+    Raises
+    ------
+    RotatumError about the first of them.
+    """
+    for name in names:
+        if name not in allowed:
+            close = nearest(name, allowed)
+            hint = f"Did you mean {close!r}?" if close else None
+            raise RotatumError(what, where=where, value=name, allowed=tuple(allowed), hint=hint)
 
 
 def _extra_error(what: str, extra: str, where: str | None) -> ExtraError:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from rotatum.errors import RotatumError, nearest
+from rotatum.errors import RotatumError, check_names
 from rotatum.logs.log import Log
 from rotatum.simulation.drivers.drives import JointDrives, sample_drives
 from rotatum.simulation.drivers.waves import Drive
@@ -89,24 +89,16 @@ def simulate(
     device that cannot be simulated, and `SimulationError` for a motion that runs away or leaves a
     law's range: its `log` is what was simulated until then.
     """
-    names = tuple(joint.name for joint in device.joints)
-    for what, given in (
-        ("drives", drives),
-        ("sensors", sensors),
-        ("effects", effects),
-        ("external", external),
-        ("start", start),
-    ):
-        _check_joints(what, given or {}, names)
+    _check(device, drives, sensors, effects, external, start)
     grid, control, every = grids(period, log_period)
     time = _instants(seconds, grid)
     robot = device.build_robot()
     plants = plants_of(device, effects or {}, smoothing=smoothing)
-    inputs = []
-    for joint, plant in zip(device.joints, plants, strict=True):
-        push = (external or {}).get(joint.name)
-        own = drives.get(joint.name, {})
-        inputs.append(sample_drives(joint, plant, time, own, push, control=control))
+    pushes = [(external or {}).get(joint.name) for joint in device.joints]
+    inputs = [
+        sample_drives(joint, plant, time, drives.get(joint.name, {}), push, control=control)
+        for joint, plant, push in zip(device.joints, plants, pushes, strict=True)
+    ]
     motion = move(
         device,
         robot,
@@ -167,14 +159,24 @@ def _instants(seconds: float, period: float) -> NDArray[np.float64]:
     return period * np.arange(round(seconds / period), dtype=np.float64)
 
 
-def _check_joints(what: str, given: Mapping[str, object], names: tuple[str, ...]) -> None:
-    for name in given:
-        if name not in names:
-            close = nearest(name, names)
-            raise RotatumError(
-                "the device has no such joint",
-                where=what,
-                value=name,
-                allowed=names,
-                hint=f"Did you mean {close!r}?" if close else None,
-            )
+def _check(
+    device: Device,
+    drives: Mapping[str, object],
+    sensors: Mapping[str, Sensors] | None,
+    effects: Mapping[str, object] | None,
+    external: Mapping[str, object] | None,
+    start: Mapping[str, object] | None,
+) -> None:
+    """Refuse joints the device has not, and sensors its joints have not, before anything moves."""
+    names = tuple(joint.name for joint in device.joints)
+    for where, given in (
+        ("drives", drives),
+        ("sensors", sensors),
+        ("effects", effects),
+        ("external", external),
+        ("start", start),
+    ):
+        check_names(given or (), names, what="the device has no such joint", where=where)
+    for joint in device.joints:
+        if sensors and joint.name in sensors:
+            sensors[joint.name].fit(joint.actuation)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from rotatum.errors import RotatumError, nearest
+from rotatum.errors import RotatumError, check_names
 from rotatum.simulation.drivers.control import PositionControl
 from rotatum.simulation.drivers.feedback import Feedback
 from rotatum.simulation.drivers.limits import LimitedFeedback, limited, torque_limit
@@ -182,16 +182,8 @@ def _held(values: Array, control: int, size: int) -> Array:
 def _check_names(plant: Plant, drives: JointDrives) -> None:
     setpoint = SETPOINT_DRIVES if plant.actuation == "serial" else ()
     allowed = (*plant.torque_roles, *setpoint)
-    for role in drives:
-        if role not in allowed:
-            close = nearest(role, allowed)
-            raise RotatumError(
-                f"a joint with {plant.actuation} actuation has no such drive",
-                where=f"{plant.name}, drives",
-                value=role,
-                allowed=allowed,
-                hint=f"Did you mean {close!r}?" if close else None,
-            )
+    what = f"a joint with {plant.actuation} actuation has no such drive"
+    check_names(drives, allowed, what=what, where=f"{plant.name}, drives")
     for role in plant.torque_roles:
         if role not in drives:
             raise _wrong_drives(plant, f"a torque drives each motor; {role} is missing", drives)

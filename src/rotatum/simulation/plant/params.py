@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from rotatum.errors import RotatumError, nearest
+from rotatum.errors import RotatumError, check_names
 from rotatum.record import Records
 from rotatum.simulation.plant.bodies import Plant
 from rotatum.simulation.plant.records import DYNAMIC, PRESCRIBED, QUASI_STATIC
@@ -82,21 +82,11 @@ def _write_effects(plant: Plant, params: Records) -> None:
 def _start(plant: Plant, start: Mapping[str, float]) -> tuple[list[float], list[float]]:
     roles = ["q", *plant.motor_roles, "setpoint_angle"]
     allowed = [name for role in roles for name in (role, f"d{role}")]
+    where = f"{plant.name}, start"
+    check_names(start, allowed, what="a joint does not start with this", where=where)
     for name, value in start.items():
-        if name in allowed and not math.isfinite(value):
-            raise RotatumError(
-                "a joint starts at finite numbers",
-                where=f"{plant.name}, start, {name}",
-                value=value,
-            )
-        if name not in allowed:
-            close = nearest(name, allowed)
-            raise RotatumError(
-                "a joint does not start with this",
-                where=f"{plant.name}, start",
-                value=name,
-                allowed=allowed,
-                hint=f"Did you mean {close!r}?" if close else None,
-            )
+        if not math.isfinite(value):
+            what = "a joint starts at finite numbers"
+            raise RotatumError(what, where=f"{where}, {name}", value=value)
     position = [start.get(role, 0.0) for role in roles]
     return position, [start.get(f"d{role}", 0.0) for role in roles]

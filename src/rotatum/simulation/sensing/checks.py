@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from rotatum.errors import RotatumError, nearest
+from rotatum.errors import RotatumError, check_names
 
 
 @dataclass(frozen=True)
@@ -42,16 +42,7 @@ def check_value(where: str, value: float, rule: Rule) -> None:
 
 def check_roles(where: str, roles_given: Iterable[str], roles: Sequence[str]) -> None:
     """Raise `RotatumError` for a channel that is none of `roles`; it suggests the nearest."""
-    for role in roles_given:
-        if role not in roles:
-            close = nearest(role, roles)
-            raise RotatumError(
-                "sensors have no such channel",
-                where=where,
-                value=role,
-                allowed=roles,
-                hint=f"Did you mean {close!r}?" if close else None,
-            )
+    check_names(roles_given, roles, what="sensors have no such channel", where=where)
 
 
 def check_map(where: str, values: Mapping[str, float], roles: Sequence[str], rule: Rule) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rotatum.errors import RotatumError, nearest
+from rotatum.errors import RotatumError, check_names
 from rotatum.simulation.motion import Motion
 from rotatum.simulation.sensing.checks import NOT_NEGATIVE, POSITIVE, check_value, check_vector
 from rotatum.simulation.sensing.rotations import rotation_about, rotation_of
@@ -226,16 +226,9 @@ def _check_names(device: Device, faults: Mapping[str, InertialFaults]) -> None:
     accelerometers = [sensor.name for sensor in device.accelerometers]
     gyroscopes = [sensor.name for sensor in device.gyroscopes]
     names = (*accelerometers, *gyroscopes)
+    what = "the device has no such accelerometer or gyroscope"
+    check_names(faults, names, what=what, where="inertial")
     for name in faults:
-        if name not in names:
-            close = nearest(name, names)
-            raise RotatumError(
-                "the device has no such accelerometer or gyroscope",
-                where="inertial",
-                value=name,
-                allowed=names or "none",
-                hint=f"Did you mean {close!r}?" if close else None,
-            )
         if name in accelerometers and name in gyroscopes:
             raise RotatumError(
                 "faults of one name for an accelerometer and a gyroscope, whose units differ",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from rotatum.errors import RotatumError, nearest
+from rotatum.errors import RotatumError, check_names
 from rotatum.logs.log import Log
 from rotatum.simulation.motion import Motion
 from rotatum.simulation.sensing.faults import readings
@@ -139,15 +139,6 @@ def _check(
         raise RotatumError(what, where=device.name, value=int(motion.time[::every].size))
     joints = {joint.name: joint for joint in device.joints}
     for where, names in (("sensors", sensors), ("external", sorted(external))):
-        for name in names:
-            if name not in joints:
-                close = nearest(name, joints)
-                raise RotatumError(
-                    "no such joint in the device",
-                    where=where,
-                    value=name,
-                    allowed=tuple(joints),
-                    hint=f"Did you mean {close!r}?" if close else None,
-                )
+        check_names(names, tuple(joints), what="the device has no such joint", where=where)
     for name, of_joint in sensors.items():
         of_joint.fit(joints[name].actuation)
