@@ -1,5 +1,6 @@
 """One file per method: wires kernels into a stage, states its assumptions, cites its paper."""
 
-from rotatum.estimators.estimator import Estimator, Readings
+from rotatum.estimators.estimator import Estimator
+from rotatum.estimators.readings import Readings
 
 __all__ = ["Estimator", "Readings"]

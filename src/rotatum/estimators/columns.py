@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
-from rotatum.estimators.gains import noise_gain
-from rotatum.estimators.settings import MOTOR_COLUMNS, Settings
+from rotatum.estimators.settings import Settings
 from rotatum.kernels import rows
 from rotatum.models import Joint
 
@@ -17,6 +15,10 @@ KINDS = {
     "skew": rows.SKEW,
     "transmission_damping": rows.TRANSMISSION_DAMPING,
     "offset": rows.OFFSET,
+    "link_damping": rows.LINK_DAMPING,
+    "link_coulomb": rows.LINK_COULOMB,
+    "gravity_torque": rows.GRAVITY_TORQUE,
+    "payload": rows.PAYLOAD,
 }
 SOMEWHERE = 0.01  # rad; with a single power the range only scales: a middling elastic joint
 
@@ -36,20 +38,29 @@ class Power(NamedTuple):
         return phi if self.deflection else "constant"
 
 
-def powers_of(joint: Joint) -> tuple[Power, ...]:
+def powers_of(joint: Joint, method: str = "weak", together: bool = False) -> tuple[Power, ...]:
     """Terms of a joint's basis from low to high order (flacco2012 eqs 26, 29, 36).
 
     Odd powers of the deflection, or with ``full`` all from 0, times powers of the set-point.
+
+    Args:
+        joint: as described.
+        method: ``algebraic`` sees no constant (menard2013 eq. 18 starts from phi^1), nor what
+            depends on the set-point alone.
+        together: whether two transmissions share a row: each term comes twice, agonist's first.
     """
     basis = joint.basis
     own = range(basis.orders) if basis.full else range(1, 2 * basis.orders, 2)
     found = [Power(i, j) for i in own for j in range(basis.setpoint_orders + 1)]
-    return tuple(sorted(found, key=lambda power: (sum(power), power.deflection)))
+    if method == "algebraic":
+        found = [power for power in found if power != Power(0, 0)]
+    ordered = sorted(found, key=lambda power: (sum(power), power.deflection))
+    return tuple(power for power in ordered for _ in range(2 if together else 1))
 
 
-def first_shrunk(joint: Joint, fitted: int) -> int:
-    """Index of the first column that is shrunk: after fitted ones, constant and straight line."""
-    return fitted + 1 + [sum(p) for p in powers_of(joint)].index(1)
+def first_shrunk(powers: tuple[Power, ...], fitted: int) -> int:
+    """Index of the first column that is shrunk: after fitted ones, constants and straight lines."""
+    return fitted + sum(1 for power in powers if sum(power) <= 1)
 
 
 def deflection_range(joint: Joint) -> float:
@@ -85,61 +96,27 @@ def fit_scales(joint: Joint, settings: Settings) -> tuple[float, ...]:
     """Typical size of each fitted column, within a few orders: the prior is relative to it."""
     scale = {
         "inertia": settings.cutoff,
-        "damping": 1.0,
-        "coulomb": 1.0,
-        "skew": 1.0,
         "transmission_damping": deflection_range(joint) * settings.cutoff,
-        "offset": 1.0,
     }
-    return tuple(scale[name] for name in settings.fit)
+    return tuple(scale.get(name, 1.0) for name in settings.fit)
 
 
-def basis_scales(joint: Joint) -> tuple[float, ...]:
+def basis_scales(joint: Joint, powers: tuple[Power, ...]) -> tuple[float, ...]:
     """What the basis' coefficients are divided by to be in SI at the joint."""
     half = setpoint_scale(joint).half
-    return tuple(
-        deflection_range(joint) ** p.deflection * half**p.setpoint for p in powers_of(joint)
-    )
-
-
-class ColumnNoise(NamedTuple):
-    """Variance the encoders give each column, fitted ones first, and the inertia's column's."""
-
-    columns: tuple[float, ...]
-    acceleration: float
-
-
-def column_noise(joint: Joint, settings: Settings, period: float) -> ColumnNoise:
-    """Variance that quantisation gives each scaled column."""
-    link, motor = ((joint.encoders.resolution(end) or 0.0) ** 2 / 12.0 for end in ("link", "motor"))
-    pole = math.exp(-settings.cutoff * period) if settings.method == "weak" else 0.0
-    still, speed, bend = (noise_gain(pole, order, period) for order in range(3))
-    scale = dict(zip(settings.fit, fit_scales(joint, settings), strict=True))
-    raw = {
-        "inertia": motor * bend,
-        "damping": motor * speed,
-        "coulomb": 0.0,
-        "skew": link * speed,
-        "transmission_damping": (link + motor) * speed,
-        "offset": 0.0,
-    }
-    phi = (link + motor) * still / deflection_range(joint) ** 2
-    # s is spread over -1 to 1: the mean of s^2j is 1 / (2 j + 1).
-    own = tuple(
-        phi / (2.0 * p.setpoint + 1.0) if p.deflection == 1 else 0.0 for p in powers_of(joint)
-    )
-    fitted = tuple(raw[name] / scale[name] ** 2 for name in settings.fit)
-    return ColumnNoise(fitted + own, motor * bend)
+    return tuple(deflection_range(joint) ** p.deflection * half**p.setpoint for p in powers)
 
 
 def known_std(joint: Joint, name: str, motor: int) -> float:
     """Standard deviation of what the device file says, at the joint; 0: it says nothing."""
-    if name not in MOTOR_COLUMNS[:3] or not joint.motors:
-        return 0.0
-    described = joint.motors[motor]
-    value = {
-        "inertia": described.reflected_inertia,
-        "damping": described.reflected_damping,
-        "coulomb": described.reflected_coulomb,
-    }[name]
+    value = None
+    if name.startswith("link_") and joint.link is not None:
+        value = {"link_damping": joint.link.damping, "link_coulomb": joint.link.coulomb}[name]
+    elif joint.motors:
+        described = joint.motors[motor]
+        value = {
+            "inertia": described.reflected_inertia,
+            "damping": described.reflected_damping,
+            "coulomb": described.reflected_coulomb,
+        }.get(name)
     return value.std or 0.0 if value is not None else 0.0

@@ -9,83 +9,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rotatum.errors import MethodError
-from rotatum.estimators.settings import Request, settle
-from rotatum.estimators.shapes import roles
-from rotatum.estimators.tuning import Prepared, prepare
-from rotatum.kernels.status import VERDICTS
+from rotatum.estimators.armfront import ArmFront
+from rotatum.estimators.measured import Measured
+from rotatum.estimators.preparing import prepare_all
+from rotatum.estimators.readings import Group, Readings, batch_records
+from rotatum.estimators.settings import Request
 from rotatum.models import Device
 from rotatum.record import Records
-from rotatum.runtime.bank import Bank
 
-
-class Group:
-    """Joints that share a stage: their bank, their places in the device, their input and output."""
-
-    def __init__(self, prepared: Sequence[Prepared], places: Sequence[int]) -> None:
-        self.prepared = tuple(prepared)
-        self.places = np.array(places)
-        stage = prepared[0].stage
-        self.bank = Bank(stage, np.concatenate([p.params for p in prepared]))
-        self.u = stage.input.zeros(len(prepared))
-        self.u["enable"] = 1
-        self.out = stage.output.zeros(len(prepared))
-
-    @property
-    def roles(self) -> tuple[str, ...]:
-        """Channels of the log this group's input record is made of."""
-        shape = self.prepared[0].shape
-        return roles(shape.actuation, shape.torque)
-
-
-class Readings:
-    """What one ``Estimator.update`` returns: arrays over the device's joints, in its order.
-
-    ``readings["stiffness"]`` (or any scalar field of ``Reading``) is an ``(n,)`` array; the usual
-    ones are properties. The arrays are filled anew by the next update.
-    """
-
-    def __init__(self, groups: Sequence[Group], joints: int) -> None:
-        self._groups = groups
-        self._joints = joints
-
-    def __getitem__(self, field: str) -> NDArray[Any]:
-        if len(self._groups) == 1:
-            return np.asarray(self._groups[0].out[field])
-        first = self._groups[0].out[field]
-        values = np.empty(self._joints, first.dtype)
-        for group in self._groups:
-            values[group.places] = group.out[field]
-        return values
-
-    @property
-    def stiffness(self) -> NDArray[np.float64]:
-        """Stiffness, N m/rad."""
-        return self["stiffness"]
-
-    @property
-    def stiffness_std(self) -> NDArray[np.float64]:
-        """Its standard deviation, N m/rad."""
-        return self["stiffness_std"]
-
-    @property
-    def torque(self) -> NDArray[np.float64]:
-        """Elastic torque from the fitted law, N m."""
-        return self["torque"]
-
-    @property
-    def dstiffness(self) -> NDArray[np.float64]:
-        """Derivative of the stiffness by deflection, N m/rad^2."""
-        return self["dstiffness"]
-
-    @property
-    def status(self) -> NDArray[np.int64]:
-        """Status bits, see ``rotatum.kernels.status``."""
-        return self["status"]
-
-    @property
-    def verdict(self) -> tuple[str, ...]:
-        """One of ``starved``, ``converging``, ``informative``, ``inconsistent`` per joint."""
-        return tuple(VERDICTS[int(v)] for v in self["verdict"])
+Array = NDArray[np.float64]
+ARM_BATCH = 4096  # samples of an arm at once: with room for bridged ones they are large
 
 
 class Estimator:
@@ -99,13 +32,20 @@ class Estimator:
     Args:
         device: from ``load_device``.
         period: sample period, s.
-        method: ``"weak"`` or ``"residual"``; ``None``: the device file's, then ``"weak"``.
+        method: ``"weak"``, ``"algebraic"`` or ``"residual"``; ``None``: the device file's, then
+            ``"weak"``.
+        side: of the torque balance, ``"motor"`` or ``"link"``.
         torque: ``"estimated"``, ``"sensor"`` or ``"model"``.
-        cutoff: rad/s.
+        cutoff: of the low-pass, rad/s; or
+        window: that rows look back, s.
+        order: poles of the low-pass (2, 3), or power of the window (2 to 5).
+        stride: samples from one row of a window to the next.
         fit: columns fitted beside the stiffness.
         forgetting: weight of a row relative to the next one, 0.998 to 1.
         solver: ``"ud"`` or ``"covariance"``.
         shrinkage: whether high orders are shrunk as far as the data do not ask for them.
+        measured: joint to what is known of its signals' noise; what the encoders' counts make is
+            known anyway.
         holds: joint to role to ``"held"`` or ``"sampled"``; ``None``: the device's channels.
         zeros: joint to deflection at rest of each transmission, rad; ``None``: the device
             file's rule.
@@ -123,29 +63,40 @@ class Estimator:
         side: str | None = None,
         torque: str | None = None,
         cutoff: float | None = None,
+        window: float | None = None,
+        order: int | None = None,
+        stride: int | None = None,
         fit: Sequence[str] | None = None,
         forgetting: float | None = None,
         solver: str | None = None,
         shrinkage: bool | None = None,
+        measured: Mapping[str, Measured] | None = None,
         holds: Mapping[str, Mapping[str, str]] | None = None,
         zeros: Mapping[str, Sequence[float]] | None = None,
     ) -> None:
         if not period > 0.0:
             raise MethodError("period must be positive (s)", where=device.source, value=period)
         columns = None if fit is None else tuple(fit)
-        request = Request(method, side, torque, cutoff, columns, forgetting, solver, shrinkage)
+        request = Request(
+            method=method,
+            side=side,
+            torque=torque,
+            cutoff=cutoff,
+            window=window,
+            order=order,
+            stride=stride,
+            fit=columns,
+            forgetting=forgetting,
+            solver=solver,
+            shrinkage=shrinkage,
+        )
         self.device = device
         self.period = float(period)
-        self.prepared = tuple(
-            prepare(
-                joint,
-                settle(joint, device, period, request),
-                period=period,
-                holds=_holds(joint.name, joint.channels, holds),
-                zeros=(zeros or {}).get(joint.name),
-            )
-            for joint in device.joints
+        self.prepared = prepare_all(
+            device, self.period, request, measured or {}, holds, zeros or {}
         )
+        arm = any(p.shape.arm for p in self.prepared)
+        self._arm = ArmFront(device, self.prepared) if arm else None
         shapes = dict.fromkeys(p.shape for p in self.prepared)
         self.groups = tuple(
             Group(
@@ -213,41 +164,94 @@ class Estimator:
         n, alone = len(self.prepared), len(self.groups) == 1
         for group in self.groups:
             u = group.u
-            u["time"] = now
+            if self._arm is None:
+                u["time"] = now
             for role in group.roles:
                 value = given[role]
                 if value is None:
                     raise MethodError(
                         f"update needs {role} for joint {group.prepared[0].joint.name}"
                     )
-                u[role] = value if alone else np.broadcast_to(value, (n,))[group.places]
+                own = value if alone else np.broadcast_to(value, (n,))[group.places]
+                if self._arm is None:
+                    u[role] = own
+                else:
+                    self._arm.put(role, group.places, own)
             u["enable"] = enable if alone else np.broadcast_to(enable, (n,))[group.places]
         self._samples += 1
+        if self._arm is not None:
+            self._update_arm(self._arm, now)
+            return self._readings
         for group in self.groups:
             group.bank.update(group.u, group.out)
         return self._readings
 
+    def _update_arm(self, arm: ArmFront, now: float) -> None:
+        for k in range(arm.advance(now)):
+            arm.fill(k, now)
+            for group in self.groups:
+                for field in arm.fields:
+                    group.u[field] = arm.joints[field][group.places]
+                group.bank.update(group.u, group.out)
+
+    def run(self, time: Array, channels: Sequence[Mapping[str, Array]]) -> list[Records]:
+        """Take a batch: the same steps as ``update``, one after the other.
+
+        Args:
+            time: (N,) s.
+            channels: per joint of the device, role to (N,).
+
+        Returns:
+            (N, m) records of readings per group of ``groups``, m joints in each.
+        """
+        self._samples += len(time)
+        if self._arm is not None:
+            return self._run_arm(self._arm, time, channels)
+        found = []
+        for group in self.groups:
+            u = batch_records(group, len(time))
+            u["time"] = time[:, None]
+            for i, place in enumerate(group.places):
+                for role in group.roles:
+                    u[role][:, i] = channels[place][role]
+            found.append(group.bank.run(u))
+        return found
+
+    def _run_arm(
+        self, arm: ArmFront, time: Array, channels: Sequence[Mapping[str, Array]]
+    ) -> list[Records]:
+        pieces: list[list[Records]] = [[] for _ in self.groups]
+        for first in range(0, len(time), ARM_BATCH):
+            part = slice(first, first + ARM_BATCH)
+            own = [{role: x[part] for role, x in logged.items()} for logged in channels]
+            u, last = arm.expand(arm.batch(time[part], own), self.groups[0].bank.stage.input)
+            for group, kept in zip(self.groups, pieces, strict=True):
+                out = group.bank.run(np.ascontiguousarray(u[:, group.places]))
+                kept.append(out[last])
+        return [np.concatenate(kept) for kept in pieces]
+
+    def part_states(self, place: int) -> tuple[Any, ...]:
+        """Return the state records of the parts of a joint, as its ``prepared.parts``.
+
+        Args:
+            place: of the joint in the device.
+        """
+        for group in self.groups:
+            for i, own in enumerate(group.places):
+                if own == place:
+                    inner = group.bank.state[i]["inner"]
+                    apart = group.prepared[i].apart
+                    return (inner["first"], inner["second"]) if apart else (inner,)
+        raise IndexError(place)
+
     def reset(self) -> None:
         """Forget everything: every joint in its initial state, time back at 0."""
         self._samples = 0
+        if self._arm is not None:
+            self._arm.reset()
         for group in self.groups:
             group.bank.reset()
 
     def __repr__(self) -> str:
         methods = ", ".join(f"{p.joint.name}: {p.settings.method}" for p in self.prepared)
         return f"Estimator({self.device.name}, {self.period:g} s, {methods})"
-
-
-def _holds(
-    name: str, channels: Mapping[str, Any], given: Mapping[str, Mapping[str, str]] | None
-) -> Mapping[str, str]:
-    if given is not None and name in given:
-        return given[name]
-    return {role: channel.hold for role, channel in channels.items()}
-
-
-def batch_records(group: Group, samples: int) -> Records:
-    """Input records for a batch of ``samples`` of a group, ``enable`` set."""
-    u = group.bank.stage.input.zeros(samples, len(group.prepared))
-    u["enable"] = 1
-    return u

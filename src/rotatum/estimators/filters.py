@@ -1,4 +1,4 @@
-"""Parameters of the filters that make rows: low-pass, residual, kinematic filter, friction."""
+"""Parameters of what makes rows: operators, terms of both sides, residual, friction."""
 
 from __future__ import annotations
 
@@ -6,32 +6,72 @@ import math
 from typing import Any
 
 from rotatum.estimators.gains import steady_gains, velocity_std
+from rotatum.estimators.operators import WINDOW, Operator
 from rotatum.estimators.settings import Settings
+from rotatum.kernels.link import AHEAD
 from rotatum.models import Joint
 
 SLOW = 0.01  # rad/s at which the motor should move by a count in the span of the velocity
+SETTLE = 12.0  # time constants until what is not smooth at a start has left the rows
 REST = 1e-3  # rad/s below which Coulomb friction has no sign, however good the encoder
 
 
-def fill_weak(
-    record: Any, joint: Joint, motor: int, settings: Settings, period: float, held: bool
-) -> None:
+def fill_operator(record: Any, operator: Operator, phase: int) -> None:
+    """Fill ``CascadeParams`` or ``WindowParams``.
+
+    Args:
+        record: to fill.
+        operator: which.
+        phase: samples by which this joint's windows come later than the first joint's.
+    """
+    if operator.kind == WINDOW:
+        record["length"] = operator.length
+        record["weight"][: operator.length] = operator.weights()
+        record["stride"] = operator.every
+        record["phase"] = phase
+    else:
+        record["pole"] = operator.pole
+        record["order"] = operator.order
+        # Of smooth signals nothing has to be waited for; but a log may begin with a step.
+        record["settle"] = 1 + _samples(SETTLE / operator.cutoff, operator.period)
+
+
+def fill_weak(record: Any, joint: Joint, motor: int, period: float, held: bool) -> None:
     """Fill ``WeakParams`` but for its columns.
 
     Args:
         record: to fill.
         joint: constants.
         motor: which of its motors.
-        settings: method, cutoff.
         period: s.
         held: whether the torque is a command held until the next sample.
     """
     record["period"] = period
-    record["pole"] = math.exp(-settings.cutoff * period)
-    # No transient to wait for (see kernels.weak), only for the low-pass to average noise.
-    record["settle"] = 3 + _samples(3.0 / settings.cutoff, period)
     record["held"] = int(held)
     _motor_constants(record, joint, motor)
+
+
+def fill_link(record: Any, joint: Joint, arm: bool, period: float) -> None:
+    """Fill ``LinkParams`` but for its columns.
+
+    Args:
+        record: to fill.
+        joint: whose link.
+        arm: whether inertia and gravity are the arm's.
+        period: s.
+    """
+    record["period"] = period
+    record["arm"] = int(arm)
+    record["delay"] = AHEAD if arm else 0
+    record["width"] = REST
+    if joint.link is None:
+        return
+    record["damping"] = joint.link.damping.value
+    record["coulomb"] = joint.link.coulomb.value
+    if not arm:
+        assert joint.link.inertia is not None  # settings were refused without it
+        record["inertia"] = joint.link.inertia.value
+        record["gravity"] = joint.link.gravity_torque
 
 
 def _samples(seconds: float, period: float) -> int:
@@ -42,12 +82,15 @@ def _samples(seconds: float, period: float) -> int:
 def fill_friction(
     record: Any, joint: Joint, settings: Settings, period: float, notes: dict[str, str]
 ) -> None:
-    """Choose the span of the velocity whose sign Coulomb friction has: 0 without friction."""
-    if "coulomb" not in settings.fit and record["coulomb"] == 0.0:
+    """Choose the span of the velocity whose sign Coulomb friction has; nothing without friction."""
+    column, end = ("link_coulomb", "link") if settings.side == "link" else ("coulomb", "motor")
+    if column not in settings.fit and record["coulomb"] == 0.0:
         return
-    resolution = joint.encoders.resolution("motor") or 0.0
+    # A count is as wide as sqrt(12) standard deviations of its noise.
+    resolution = math.sqrt(12.0) * settings.noise[0 if end == "link" else 1]
     longest = min(31, int(2.0 / (settings.cutoff * period)))
     delay = max(1, min(longest, math.ceil(resolution / (2.0 * period * SLOW))))
+    delay = max(delay, int(record["delay"]))
     # Two quantised positions, 2 delay apart: std resolution sqrt(2 / 12) over that time.
     std = resolution / math.sqrt(6.0) / (2.0 * delay * period)
     record["delay"] = delay

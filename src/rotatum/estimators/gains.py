@@ -36,28 +36,3 @@ def velocity_std(bandwidth: float, period: float, resolution: float) -> float:
     alpha, beta = steady_gains(bandwidth, period)
     R = resolution**2 / 12.0
     return math.sqrt(R * 2.0 * beta**2 / (alpha * (4.0 - 2.0 * alpha - beta))) / period
-
-
-def noise_gain(pole: float, order: int, period: float) -> float:
-    """Power gain of white noise through a difference of ``order`` and two equal poles.
-
-    The sum of squares of the impulse response of ``((1 - a) / (1 - a z^-1))^2 d(z)``, with d the
-    hat's 1, ``(1 - z^-2) / 2T`` or ``(1 - z^-1)^2 / T^2``.
-
-    Args:
-        pole: a, 0 for no filter.
-        order: 0, 1 or 2.
-        period: T, s.
-    """
-    taps: tuple[float, ...] = ((1.0,), (0.5 / period, 0.0, -0.5 / period), (1.0, -2.0, 1.0))[order]
-    if order == 2:
-        taps = tuple(t / period**2 for t in taps)
-    first = second = total = peak = 0.0
-    k = 0
-    while k < len(taps) or second * second > 1e-12 * peak or first * first > 1e-12 * peak:
-        first = pole * first + (1.0 - pole) * (taps[k] if k < len(taps) else 0.0)
-        second = pole * second + (1.0 - pole) * first
-        total += second * second
-        peak = max(peak, second * second, first * first)
-        k += 1
-    return total

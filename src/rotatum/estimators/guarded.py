@@ -1,11 +1,11 @@
-"""The guard before a stage: samples are judged, bridged or refused before it sees them."""
+"""What stands before a stage: a guard that judges, bridges or refuses samples; or an arm's."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rotatum.kernels import guard
-from rotatum.record import Field, Layout
+from rotatum.kernels import guard, rows
+from rotatum.record import Field, Layout, integer
 from rotatum.runtime.compose import write_kernels
 from rotatum.runtime.errors import StageError
 from rotatum.runtime.stage import Stage
@@ -66,6 +66,41 @@ def guarded(
     ]
     lines = _lines(inner.input, channels, wires)
     init, step = write_kernels(name, doc, init_lines, lines, kernels)
+    return Stage(name, params, state, outer, inner.output, init, step, inner.cites)
+
+
+def linked(inner: Stage) -> Stage:
+    """Put a stage behind the guard of its arm, which tells when to hold and what was wrong.
+
+    Args:
+        inner: reads ``LinkSample``; its output has ``time`` and ``status``; it can hold its output.
+    """
+    if inner.hold is None or inner.input != rows.LinkSample.layout():
+        raise StageError(f"{inner.name} is no estimator of a joint seen from its link")
+    name = f"{inner.name}_linked"
+    doc = f"{inner.name} behind the guard of its arm."
+    own = {
+        "hold": integer("1: the sample was refused, the output is repeated"),
+        "status": integer("status bits of the sample"),
+    }
+    fields = dict(inner.input.fields)
+    outer = Layout("arm_joint_sample", "One sample of a joint of an arm.", {**fields, **own})
+    copied = [f"    state.sample.{field} = u.{field}" for field in fields]
+    lines = [
+        "if u.hold != 0:",
+        "    inner_hold(params.inner, state.inner, out)",
+        "else:",
+        *copied,
+        "    inner_step(params.inner, state.inner, state.sample, out)",
+        "out.time = u.time",
+        "out.status = out.status | u.status",
+    ]
+    kernels = {"inner_init": inner.init, "inner_step": inner.step, "inner_hold": inner.hold}
+    starts = ["inner_init(params.inner, state.inner)"]
+    init, step = write_kernels(name, doc, starts, lines, kernels)
+    params = Layout(f"{name}_params", doc, {"inner": Field(inner.params)})
+    memory = {"inner": Field(inner.state), "sample": Field(inner.input)}
+    state = Layout(f"{name}_state", doc, memory)
     return Stage(name, params, state, outer, inner.output, init, step, inner.cites)
 
 

@@ -52,7 +52,8 @@ sigma_bias2 = {bias2}
 unshrunk = {unshrunk}
 torque_spread = {spread}state.row.F)
 readout_deviations(
-    state.readout, state.evidence, sigma_spread, sigma_bias2, torque_spread, {bias2}, out
+    params.readout, state.readout, state.evidence, sigma_spread, sigma_bias2, torque_spread,
+    {bias2}, out
 )
 return readout_status_of(
     params.readout, state.evidence, params.evidence, state.row, unshrunk, out

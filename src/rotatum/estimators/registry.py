@@ -20,6 +20,7 @@ PERIOD = 1e-3
 Array = NDArray[np.float64]
 STIFFNESS, HARDENING, SPRING = 120.0, 2000.0, 14220.0
 INERTIA, DAMPING, COULOMB, GEAR = 4e-5, 5e-5, 0.01, 80.0
+LINK_INERTIA, LINK_DAMPING, GRAVITY = 0.1, 0.05, 1.0
 
 
 class Example(NamedTuple):
@@ -57,6 +58,9 @@ KINDS: tuple[tuple[str, Request], ...] = (
     ("serial", Request("weak", fit=("offset",))),
     ("serial", Request("residual", torque="model", fit=())),
     ("antagonistic", Request("weak", fit=("offset",))),
+    ("series", Request("algebraic", window=0.1, fit=())),
+    ("series", Request("weak", side="link", cutoff=100.0, order=3, fit=("link_damping",))),
+    ("antagonistic", Request("weak", side="link", window=0.1, fit=("link_coulomb",))),
 )
 """Actuation and settings of the examples: enough to reach every kernel."""
 
@@ -67,7 +71,7 @@ def example_stages(samples: int = 2000) -> tuple[Example, ...]:
     for actuation, request in KINDS:
         prepared = _prepared(actuation, request)
         params = np.concatenate([prepared.params, prepared.params])
-        inputs = example_signals(prepared.stage, actuation, samples)
+        inputs = example_signals(prepared.stage, actuation, samples, request.side or "motor")
         found.append(Example(prepared.stage, params, inputs))
     return tuple(found)
 
@@ -100,6 +104,11 @@ def _prepared(actuation: str, request: Request) -> Prepared:
         "name": "example",
         "actuation": actuation,
         "motor": [motor, motor] if actuation == "antagonistic" else motor,
+        "link": {
+            "inertia": LINK_INERTIA,
+            "damping": LINK_DAMPING,
+            "gravity_torque": GRAVITY,
+        },
         "transmission": {"law": "cubic", "stiffness": STIFFNESS, "cubic": HARDENING},
         "encoders": {"link": 65536.0, "motor": 65536.0, "wrap_link": 2.0 * math.pi},
         "basis": {"deflection_range": 0.1, "orders": 2},
@@ -119,12 +128,13 @@ def _prepared(actuation: str, request: Request) -> Prepared:
     return prepare(device.joints[0], chosen, period=PERIOD, holds={}, zeros=zeros)
 
 
-def example_signals(stage: Stage, actuation: str, samples: int) -> Records:
-    """Samples of two joints whose motors obey their equations exactly, encoders quantised.
+def example_signals(stage: Stage, actuation: str, samples: int, side: str = "motor") -> Records:
+    """Samples of two joints that obey their equations exactly, encoders quantised.
 
-    ``theta`` and ``phi`` are sums of sines, ``q = theta + phi`` and
+    ``q`` and ``phi`` are sums of sines, ``theta = q - phi`` and
     ``tau = B theta'' + D theta' + C sgn(theta') - tau_e(phi)``. The antagonist of a pair stands
-    where another deflection of the same link puts it.
+    where another deflection of the same link puts it. From the link's ``side`` the last spring's
+    deflection is what ``M q'' + D q' + G sin q + tau_e = 0`` asks for.
     """
     time: Array = PERIOD * np.arange(samples, dtype=np.float64)
     inputs = stage.input.zeros(samples, 2)
@@ -134,9 +144,13 @@ def example_signals(stage: Stage, actuation: str, samples: int) -> Records:
         q = _wave(time, rate, (0.35, 1.0, 0.0), (0.1, 2.7, 0.0))
         inputs["q"][:, j] = _quantised(q[0])
         ends = ("1", "2") if actuation == "antagonistic" else ("",)
+        load = -(LINK_INERTIA * q[2] + LINK_DAMPING * q[1] + GRAVITY * np.sin(q[0]))
         for k, end in enumerate(ends):
             phi = _wave(time, rate, (0.06, 1.3 + 0.2 * k, 0.4), (0.03, 3.1, 1.6 + k))
+            if side == "link" and end == ends[-1]:
+                phi = (_deflection(load), *phi[1:])
             elastic = STIFFNESS * phi[0] + HARDENING * phi[0] ** 3
+            load = load - elastic
             if actuation == "serial":
                 angle = 40.0 * np.sin(0.7 * rate * time)
                 inputs["setpoint"][:, j] = angle
@@ -163,6 +177,15 @@ def _wave(time: Array, rate: float, *sines: tuple[float, float, float]) -> tuple
         )
         for n in range(3)
     )
+
+
+def _deflection(torque: Array) -> Array:
+    """Deflection of the hardening spring under a torque, by Newton's method."""
+    phi = torque / STIFFNESS
+    for _ in range(30):
+        slope = STIFFNESS + 3.0 * HARDENING * phi**2
+        phi = phi - (STIFFNESS * phi + HARDENING * phi**3 - torque) / slope
+    return phi
 
 
 def _quantised(angle: Array) -> Array:

@@ -1,34 +1,31 @@
-"""Which kernels make which stage: everything about a joint that decides code and layouts."""
+"""Everything about a joint that decides the code and layouts of its estimator."""
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from rotatum.estimators.guarded import guarded
-from rotatum.estimators.solvers import SOLVERS
-from rotatum.estimators.stiffness import pair_stage, stiffness_stage
-from rotatum.kernels import basis, kinematic, residual, rows, weak
-from rotatum.models.laws import LAWS
-from rotatum.record import Field, Layout, integer, number
-from rotatum.runtime.compose import write_kernels
-from rotatum.runtime.stage import Stage
+from rotatum.estimators.operators import EXPONENTIAL, WINDOW
+from rotatum.record import Layout, integer, number
 
 
 class Shape(NamedTuple):
     """All that decides a stage's code and layouts; joints that share it share a bank.
 
     Args:
-        method: ``"weak"`` or ``"residual"``.
+        method: ``"weak"``, ``"algebraic"`` or ``"residual"``.
         torque: ``"estimated"``, ``"sensor"`` or ``"model"``.
-        terms: terms of the basis.
-        columns: all regressors of a transmission.
+        terms: terms of the basis; of both transmissions where they share a row.
+        columns: all regressors of a row.
         powers: highest power of the deflection or of the set-point.
         solver: ``"ud"`` or ``"covariance"``.
         actuation: ``"series"``, ``"antagonistic"`` or ``"serial"``.
         shrunk: whether high orders are shrunk.
         law: of the device, where it stands in for a torque; else ``""``.
         constants: how many it has.
+        side: ``"motor"`` or ``"link"``.
+        arm: whether the link belongs to an arm.
+        operator: ``"exponential"`` or ``"window"``.
+        size: samples a window's ring can hold; 0 without one.
     """
 
     method: str
@@ -41,36 +38,33 @@ class Shape(NamedTuple):
     shrunk: bool = False
     law: str = ""
     constants: int = 0
+    side: str = "motor"
+    arm: bool = False
+    operator: str = EXPONENTIAL
+    size: int = 0
+
+    @property
+    def rows_name(self) -> str:
+        """Name of the rows' stage."""
+        source = "link" if self.side == "link" else self.torque
+        name = f"{self.method}_{source}_{self.terms}of{self.columns}"
+        if self.law:
+            name = f"{name}_{self.law}"
+        return f"{name}_window{self.size}" if self.operator == WINDOW else name
+
+    @property
+    def together(self) -> bool:
+        """Whether two transmissions share a row: their torques add up on the link."""
+        return self.side == "link" and self.actuation == "antagonistic"
 
 
-KERNELS: dict[tuple[str, str], tuple[Any, Any, tuple[str, ...]]] = {
-    ("weak", "estimated"): (
-        weak.motor_init,
-        weak.motor_step,
-        ("shinbrot1957", "gautier1997", "messenger2021"),
-    ),
-    ("weak", "sensor"): (
-        weak.sensor_init,
-        weak.sensor_step,
-        ("shinbrot1957", "gautier1997", "messenger2021"),
-    ),
-    ("residual", "estimated"): (
-        residual.motor_init,
-        residual.motor_step,
-        ("flacco2012", "jeon2007"),
-    ),
-    ("residual", "sensor"): (
-        residual.sensor_init,
-        residual.sensor_step,
-        ("flacco2012", "jeon2007"),
-    ),
-}
-"""(method, torque) to init, step and citations. A new method on the motor side adds a row here."""
+def ring_size(length: int) -> int:
+    """Room for a window: the next power of two, so that windows of like length share their code."""
+    size = 64
+    while size < length:
+        size *= 2
+    return size
 
-MODEL_STEP = """reached = u.q - u.theta - rows_known_zero(params.zero, state.zero)
-setpoint = params.model.offset + params.model.slope * u.setpoint
-u.torque = law_torque(params.model.constants, reached + params.model.preload, setpoint)
-sensor_step(params, state, u, out)"""
 
 _TORQUES = {"estimated": "tau", "sensor": "torque_measured"}
 _DOCS = {
@@ -82,108 +76,56 @@ _DOCS = {
 }
 
 
-def roles(actuation: str, torque: str) -> tuple[str, ...]:
+def ends_of(actuation: str) -> tuple[str, ...]:
+    """Return what the names of a joint's transmissions end in."""
+    return ("1", "2") if actuation == "antagonistic" else ("",)
+
+
+def roles(actuation: str, torque: str, side: str = "motor") -> tuple[str, ...]:
     """Channels an estimator of this actuation reads, under the names of the log.
 
     Args:
         actuation: ``"series"``, ``"antagonistic"`` or ``"serial"``.
         torque: ``"estimated"``, ``"sensor"`` or ``"model"``.
+        side: ``"motor"`` or ``"link"``; the latter reads no torque.
     """
-    ends = ("1", "2") if actuation == "antagonistic" else ("",)
+    ends = ends_of(actuation)
     found = ["q", *(f"theta{end}" for end in ends)]
     if actuation == "serial":
         found.append("setpoint")
-    if torque in _TORQUES:
+    if side == "motor" and torque in _TORQUES:
         found += [f"{_TORQUES[torque]}{end}" for end in ends]
     return tuple(found)
 
 
-@lru_cache(maxsize=64)
-def joint_stage(shape: Shape) -> Stage:
-    """The whole estimator of a joint: guard, rows, solver, evidence, read-out."""
-    make = pair_stage if shape.actuation == "antagonistic" else stiffness_stage
-    inner = make(
-        rows_stage(shape),
-        SOLVERS[shape.solver],
-        terms=shape.terms,
-        columns=shape.columns,
-        shrunk=shape.shrunk,
-    )
-    channels = roles(shape.actuation, shape.torque)
-    if shape.actuation == "antagonistic":
-        wires = {"time": "time"}
-        wires |= {f"first.{k}": v for k, v in _wires(shape.torque, "1").items()}
-        wires |= {f"second.{k}": v for k, v in _wires(shape.torque, "2").items()}
-    else:
-        wires = _wires(shape.torque, "")
-        if shape.actuation == "serial":
-            wires |= {"setpoint": "setpoint"}
-    return guarded(inner, sample_layout(shape.actuation, shape.torque), channels, wires)
-
-
-def sample_layout(actuation: str, torque: str) -> Layout:
+def sample_layout(actuation: str, torque: str, side: str = "motor") -> Layout:
     """What an estimator reads: time, its channels, and whether to learn."""
     fields = {"time": number("of the sample", unit="s", symbol="t")}
-    for role in roles(actuation, torque):
+    for role in roles(actuation, torque, side):
         doc, unit = _DOCS[role.rstrip("12")]
         which = {"1": ", agonist", "2": ", antagonist"}.get(role[-1], "")
         fields[role] = number(f"{doc}{which}", unit=unit, symbol=role)
     fields["enable"] = integer("0: do not learn from this sample")
     doc = f"One sample of a joint with {actuation} actuation."
-    return Layout(f"{actuation}_{torque}_sample", doc, fields)
+    return Layout(f"{actuation}_{'link' if side == 'link' else torque}_sample", doc, fields)
 
 
-def _wires(torque: str, end: str) -> dict[str, str]:
-    wires = {"time": "time", "q": "q", "theta": f"theta{end}"}
-    if torque in _TORQUES:
-        wires["torque"] = f"{_TORQUES[torque]}{end}"
-    return {**wires, "enable": "enable"}
-
-
-def rows_stage(shape: Shape) -> Stage:
-    """The part of the estimator that is the method: samples of a transmission to rows."""
-    p, b, m = shape.columns, shape.terms, shape.powers + 1
-    source = "sensor" if shape.torque == "model" else shape.torque
-    init, step, cites = KERNELS[shape.method, source]
-    name = f"{shape.method}_{shape.torque}_{b}of{p}"
-    parts_p: dict[str, Layout] = {
-        "zero": rows.ZeroParams.layout(),
-        "basis": basis.BasisParams.layout(b=b),
-    }
-    parts_s: dict[str, Field] = {
-        "zero": Field(rows.ZeroState.layout()),
-        "terms": Field(basis.BasisState.layout(b=b, m=m)),
-    }
-    if shape.method == "weak":
-        parts_p["weak"] = weak.WeakParams.layout(p=p)
-        parts_s["weak"] = Field(weak.WeakState.layout(p=p))
-        parts_s["past"] = Field(basis.BasisState.layout(b=b, m=m))
-    else:
-        filters = Field(kinematic.KinematicState.layout())
-        parts_p["kinematic"] = kinematic.KinematicParams.layout()
-        parts_p["setpoint"] = kinematic.KinematicParams.layout()
-        parts_p["residual"] = residual.ResidualParams.layout()
-        parts_s |= {"residual": Field(residual.ResidualState.layout())}
-        parts_s |= {"link": filters, "motor": filters, "setpoint": filters}
-    doc = f"Rows of {shape.method} from {shape.torque} torque."
-    if shape.torque == "model":
-        parts_p["model"] = rows.ModelParams.layout(n=shape.constants)
-        name = f"{name}_{shape.law}"
-        kernels = {
-            "rows_known_zero": rows.known_zero,
-            "law_torque": LAWS[shape.law].torque,
-            "sensor_init": init,
-            "sensor_step": step,
-        }
-        lines = MODEL_STEP.splitlines()
-        init, step = write_kernels(name, doc, ["sensor_init(params, state)"], lines, kernels)
-    return Stage(
-        name,
-        Layout(f"{name}_params", doc, {k: Field(v) for k, v in parts_p.items()}),
-        Layout(f"{name}_state", doc, parts_s),
-        rows.Sample.layout(),
-        rows.Row.layout(p=p),
-        init,
-        step,
-        cites,
-    )
+def wires_of(actuation: str, torque: str, side: str) -> dict[str, str]:
+    """Field of a stage's input, dotted where it is nested, to the channel it is fed from."""
+    common = {"time": "time", "q": "q", "enable": "enable"}
+    if side == "link":
+        wires = {**common, "theta": f"theta{ends_of(actuation)[0]}"}
+        if actuation == "antagonistic":
+            wires["theta2"] = "theta2"
+        return wires | ({"setpoint": "setpoint"} if actuation == "serial" else {})
+    found = {}
+    for end in ends_of(actuation):
+        wires = {**common, "theta": f"theta{end}"}
+        if torque in _TORQUES:
+            wires["torque"] = f"{_TORQUES[torque]}{end}"
+        found[end] = wires
+    if actuation == "antagonistic":
+        parts = {"first": found["1"], "second": found["2"]}
+        inner = {f"{k}.{f}": v for k, wires in parts.items() for f, v in wires.items()}
+        return {"time": "time", **inner}
+    return found[""] | ({"setpoint": "setpoint"} if actuation == "serial" else {})

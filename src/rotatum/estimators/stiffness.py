@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from rotatum.estimators.part import Part, part_of
+from rotatum.estimators.part import PLAIN, SHRUNK, Part, part_of
 from rotatum.estimators.solvers import Solver
-from rotatum.kernels import blocks, evidence, pair, readout
-from rotatum.record import Field, Layout, number
+from rotatum.kernels import blocks, both, evidence, pair, readout
+from rotatum.record import Field, Layout, number, vector
 from rotatum.runtime.compose import write_function
 from rotatum.runtime.stage import Stage
 
@@ -21,8 +21,8 @@ if state.row.valid != 0:
         evidence_fold(params.evidence, state.evidence, state.sums, {columns})
         blocks_close(params.sums, state.sums)
         if evidence_due(state.evidence, state.sums) != 0:
-            assess(params, state, state.sums, 0, {columns}, out)
-tell(params, state, u.time, 1, out)"""
+            assess(params, state, state.sums, 0, {columns}, {reading})
+{tell}(params, state, u.time, 1, out)"""
 
 PAIR_STEP = """rows_step(params.first.rows, state.first.rows, u.first, state.first.row)
 rows_step(params.second.rows, state.second.rows, u.second, state.second.row)
@@ -59,6 +59,19 @@ pair_tell(
 out.time = time"""
 
 
+TELL_BOTH = """tell(params, state, time, counted, state.reading)
+both_read(state.reading, state.row, out)
+for i in range(2):
+    both_mask(state.row, {terms}, i, state.mask)
+    part_spread = {spread}state.mask)
+    both_part(
+        params.readout, state.evidence, state.reading, state.row, part_spread, {bias2}, {terms},
+        i, out
+    )
+both_relate(params.readout, out)
+out.time = time"""
+
+
 def stiffness_stage(
     rows_stage: Stage, solver: Solver, *, terms: int, columns: int, shrunk: bool = False
 ) -> Stage:
@@ -79,7 +92,7 @@ def stiffness_stage(
     state = Layout(f"{part.name}_state", _doc(part), {**part.state, "sums": sums})
     init = tuple(line.replace("{0}", "") for line in part.init)
     hold = "tell(params, state, 0.0, 0, out)"
-    step = SERIES_STEP.format(columns=columns)
+    step = SERIES_STEP.format(columns=columns, reading="out", tell="tell")
     output = readout.Reading.layout(p=columns)
     return _stage(part, part.name, params, state, rows_stage.input, output, init, step, hold)
 
@@ -149,6 +162,46 @@ def pair_stage(
     )
     hold = "tell_pair(params, state, 0.0, 0, out)"
     return _stage(part, name, params, state, sample, output, init, step, hold)
+
+
+def together_stage(
+    rows_stage: Stage, solver: Solver, *, terms: int, columns: int, shrunk: bool = False
+) -> Stage:
+    """Compose two transmissions that share their rows into a stage whose output is ``PairReading``.
+
+    Seen from the link only the sum of both torques shows; each is told apart by its deflection.
+
+    Args:
+        rows_stage, solver, columns, shrunk: as in ``stiffness_stage``.
+        terms: of both bases, in turns, agonist first.
+    """
+    part = part_of(rows_stage, solver, terms, columns, shrunk)
+    name, words = f"both_{part.name}", {"terms": terms, **(SHRUNK if shrunk else PLAIN)}
+    params = Layout(f"{name}_params", _doc(part), {**part.params, "sums": _sums_params()})
+    state = Layout(
+        f"{name}_state",
+        _doc(part),
+        {
+            **part.state,
+            "sums": _sums_state(columns, 1),
+            "reading": Field(readout.Reading.layout(p=columns)),
+            "mask": vector(columns, "scratch: the read-out of one transmission"),
+        },
+    )
+    init = tuple(line.replace("{0}", "") for line in part.init)
+    for kernel in ("read", "mask", "part", "relate"):
+        part.kernels[f"both_{kernel}"] = getattr(both, kernel)
+    part.kernels["tell_both"] = write_function(
+        "tell_both(params, state, time, counted, out)",
+        name,
+        _doc(part),
+        TELL_BOTH.format(**words).splitlines(),
+        part.kernels,
+    )
+    output = pair.PairReading.layout(v=2 * columns - terms)
+    hold = "tell_both(params, state, 0.0, 0, out)"
+    step = SERIES_STEP.format(columns=columns, reading="state.reading", tell="tell_both")
+    return _stage(part, name, params, state, rows_stage.input, output, init, step, hold)
 
 
 def _doc(part: Part) -> str:

@@ -2,36 +2,37 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+from rotatum.estimators.assemble import joint_stage
 from rotatum.estimators.columns import (
     KINDS,
     Power,
     basis_scales,
-    column_noise,
     deflection_range,
     first_shrunk,
     fit_scales,
-    known_std,
     powers_of,
     setpoint_scale,
 )
-from rotatum.estimators.filters import fill_friction, fill_kinematic, fill_residual, fill_weak
+from rotatum.estimators.filters import (
+    fill_friction,
+    fill_kinematic,
+    fill_link,
+    fill_operator,
+    fill_residual,
+    fill_weak,
+)
+from rotatum.estimators.judging import fill_readout, fill_solver, fill_sums
+from rotatum.estimators.operators import EXPONENTIAL, WINDOW
 from rotatum.estimators.settings import Settings
-from rotatum.estimators.shapes import Shape, joint_stage, roles
-from rotatum.estimators.stiffness import LEVELS
-from rotatum.kernels.evidence import DRAG, PULL
+from rotatum.estimators.shapes import Shape, ends_of, ring_size, roles
 from rotatum.models import Joint
 from rotatum.record import Records
 from rotatum.runtime.stage import Stage
 
-PRIOR = 1e8  # prior variance over row variance, normalised: 1e-8 of one row with a column of 1
 ZERO_SECONDS = 0.05  # of rest at the start from which the deflection's zero is read
-BLOCK = 16  # rows in the shortest block of residuals
-MEMORY = 10.0  # seconds the tests of the model look back
-BIAS = 0.02  # relative error of the stiffness below which no model is called wrong
 MISSING = 8  # samples bridged by straight lines
 TOP_SPEED = 100.0  # rad/s at the joint: faster than any joint, slower than a jump of an encoder
 
@@ -45,7 +46,8 @@ class Prepared(NamedTuple):
         shape: what decides the code.
         stage: the estimator.
         params: ``(1,)`` record of ``stage.params``.
-        columns: names of a transmission's regressors, fitted ones first, then the basis.
+        columns: names of a transmission's regressors, fitted ones first, then the basis; where two
+            share a row the fitted ones are the row's.
         powers: terms of the basis.
         scales: what each coefficient is divided by to be in SI at the joint.
         notes: setting to a sentence: its value and why.
@@ -63,11 +65,28 @@ class Prepared(NamedTuple):
 
     @property
     def parts(self) -> tuple[Any, ...]:
-        """Parameter records of each transmission, without the guard and what they share."""
+        """Parameter records of each transmission with rows of its own, without what they share."""
         inner = self.params["inner"][0]
-        if self.joint.actuation == "antagonistic":
-            return inner["first"], inner["second"]
-        return (inner,)
+        return (inner["first"], inner["second"]) if self.apart else (inner,)
+
+    @property
+    def delay(self) -> float:
+        """Seconds by which a row's centre lags behind its last sample, friction's wait included."""
+        wait = 0
+        if self.settings.method != "residual":
+            side = "link" if self.settings.side == "link" else "weak"
+            wait = int(self.parts[0]["rows"][side]["delay"])
+        return self.settings.operator.delay + wait * self.settings.operator.period
+
+    @property
+    def ends(self) -> tuple[str, ...]:
+        """What the names of the parts' channels end in."""
+        return ends_of(self.joint.actuation) if self.apart else ("",)
+
+    @property
+    def apart(self) -> bool:
+        """Whether each of two transmissions has rows of its own."""
+        return self.joint.actuation == "antagonistic" and not self.shape.together
 
 
 def prepare(
@@ -77,6 +96,8 @@ def prepare(
     period: float,
     holds: Mapping[str, str],
     zeros: Sequence[float] | None = None,
+    arm: bool = False,
+    phase: int = 0,
 ) -> Prepared:
     """Fill a stage's parameters.
 
@@ -87,52 +108,67 @@ def prepare(
         holds: role to ``"sampled"`` or ``"held"``.
         zeros: deflection at rest of each transmission, rad, where the caller has measured it
             (``zero = "mean"``); ``None`` follows the device file.
+        arm: whether the link is an arm's, whose momentum and forces come with the samples.
+        phase: samples by which the rows of a window come later than those of the first joint.
     """
-    powers = powers_of(joint)
-    shape = _shape(joint, settings, powers)
+    together = settings.side == "link" and joint.actuation == "antagonistic"
+    powers = powers_of(joint, settings.method, together)
+    shape = _shape(joint, settings, powers, arm)
     stage = joint_stage(shape)
     params = stage.params.zeros(1)
     notes = _setting_notes(settings)
+    own = powers[:: 2 if together else 1]
     prepared = Prepared(
         joint,
         settings,
         shape,
         stage,
         params,
-        settings.fit + tuple(power.name for power in powers),
-        powers,
-        fit_scales(joint, settings) + basis_scales(joint),
+        settings.fit + tuple(power.name for power in own),
+        own,
+        fit_scales(joint, settings) + basis_scales(joint, own),
         notes,
     )
-    _guard(params["guard"][0], joint, settings, period, notes)
-    ends = ("1", "2") if joint.actuation == "antagonistic" else ("",)
-    for i, (part, end) in enumerate(zip(prepared.parts, ends, strict=True)):
-        _zero(part["rows"]["zero"], joint, i, period, None if zeros is None else zeros[i], notes)
-        _basis(part["rows"]["basis"], joint, powers, notes)
-        _rows(part["rows"], joint, i, settings, period, holds.get(f"tau{end}") == "held", notes)
-        _solver(part, joint, i, settings, period, notes)
+    if not arm:
+        fill_guard(params["guard"][0], joint, settings, notes)
+    for i, (part, end) in enumerate(zip(prepared.parts, prepared.ends, strict=True)):
+        record = part["rows"]
+        for k, which in enumerate(("zero", "zero2") if together else ("zero",)):
+            at = i + k
+            _zero(record[which], joint, at, period, None if zeros is None else zeros[at], notes)
+        _basis(record["basis"], joint, own, notes)
+        _rows(record, joint, i, settings, shape, phase, holds.get(f"tau{end}") == "held", notes)
+        fill_solver(part, joint, i, settings, powers, arm)
     inner = params["inner"][0]
-    _sums(inner["sums"], settings, period)
-    if joint.actuation == "antagonistic":
-        _readout(inner["readout"], period)
+    fill_sums(inner["sums"], settings)
+    if prepared.apart:
+        fill_readout(inner["readout"], settings)
     return prepared
 
 
-def _shape(joint: Joint, settings: Settings, powers: tuple[Power, ...]) -> Shape:
+def _shape(joint: Joint, settings: Settings, powers: tuple[Power, ...], arm: bool) -> Shape:
     model = joint.transmission.law if settings.torque == "model" else None
     columns = len(powers) + len(settings.fit)
+    window = settings.operator.kind == WINDOW
     return Shape(
         settings.method,
         settings.torque,
         len(powers),
         columns,
         max(max(power) for power in powers),
-        settings.solver,
+        "covariance" if settings.solver == "covariance" else "ud",
         joint.actuation,
-        settings.shrinkage and first_shrunk(joint, len(settings.fit)) < columns,
+        settings.shrinkage and first_shrunk(powers, len(settings.fit)) < columns,
         model or "",
         len(joint.transmission.constants) if model else 0,
+        settings.side,
+        arm,
+        settings.operator.kind,
+        ring_size(settings.operator.length) if window else 0,
     )
+
+
+_WIDTH = {EXPONENTIAL: "cutoff", WINDOW: "window"}
 
 
 def _setting_notes(settings: Settings) -> dict[str, str]:
@@ -140,7 +176,8 @@ def _setting_notes(settings: Settings) -> dict[str, str]:
     values = {
         "method": settings.method,
         "torque": settings.torque,
-        "cutoff": f"{settings.cutoff:g} rad/s",
+        "side": settings.side,
+        _WIDTH[settings.operator.kind]: str(settings.operator),
         "fit": fitted,
         "forgetting": f"{settings.forgetting:g}",
         "solver": settings.solver,
@@ -149,13 +186,17 @@ def _setting_notes(settings: Settings) -> dict[str, str]:
     return {name: f"{value} ({settings.reasons[name]})" for name, value in values.items()}
 
 
-def _guard(
-    record: Any, joint: Joint, settings: Settings, period: float, notes: dict[str, str]
+def fill_guard(
+    record: Any, joint: Joint, settings: Settings, notes: dict[str, str], first: int = 0, n: int = 1
 ) -> None:
+    """Fill ``GuardParams`` of a joint, or of joint ``first`` of n in an arm."""
+    period = settings.operator.period
     jump = max(0.05, TOP_SPEED * period)
     record["period"] = period
     record["missing"] = MISSING
-    for i, role in enumerate(roles(joint.actuation, settings.torque)):
+    for place, role in enumerate(roles(joint.actuation, settings.torque, settings.side)):
+        # An arm's sample has room for the antagonists' positions before the set-points.
+        i = (3 if role == "setpoint" and n > 1 else place) * n + first
         if role == "q" or role.startswith("theta"):
             record["jump"][i] = jump
             wrap = joint.encoders.wrap_link if role == "q" else joint.encoders.wrap_motor
@@ -206,82 +247,30 @@ def _rows(
     joint: Joint,
     motor: int,
     settings: Settings,
-    period: float,
+    shape: Shape,
+    phase: int,
     held: bool,
     notes: dict[str, str],
 ) -> None:
-    fitted = len(settings.fit)
-    if settings.method == "weak":
-        fill_weak(record["weak"], joint, motor, settings, period, held)
-        fill_friction(record["weak"], joint, settings, period, notes)
-        record["weak"]["scale"][:fitted] = fit_scales(joint, settings)
-        record["weak"]["kind"][:fitted] = [KINDS[name] for name in settings.fit]
-    else:
+    period, fitted = settings.operator.period, len(settings.fit)
+    if settings.method == "residual":
         width = fill_kinematic(record["kinematic"], joint, settings, period, notes)
         record["setpoint"] = record["kinematic"]
         fill_residual(record["residual"], joint, motor, settings, period, held)
         record["residual"]["width"] = width
+    else:
+        terms = record["link" if settings.side == "link" else "weak"]
+        if settings.side == "link":
+            fill_link(terms, joint, shape.arm, period)
+        else:
+            fill_weak(terms, joint, motor, period, held)
+        fill_friction(terms, joint, settings, period, notes)
+        fill_operator(record["operator"], settings.operator, phase)
+        terms["scale"][:fitted] = fit_scales(joint, settings)
+        terms["kind"][:fitted] = [KINDS[name] for name in settings.fit]
     if settings.torque == "model":
         transmission, setpoint = joint.transmissions[motor], joint.setpoint
         record["model"]["constants"][:] = transmission.constants
         record["model"]["preload"] = transmission.preload
         record["model"]["offset"] = 0.0 if setpoint is None else setpoint.value(0.0)
         record["model"]["slope"] = 1.0 if setpoint is None else setpoint.slope
-
-
-def _solver(
-    part: Any,
-    joint: Joint,
-    motor: int,
-    settings: Settings,
-    period: float,
-    notes: dict[str, str],
-) -> None:
-    solver, evidence = part["solver"], part["evidence"]
-    fitted, scales = len(settings.fit), fit_scales(joint, settings)
-    solver["forgetting"] = settings.forgetting
-    solver["variance"] = 1.0
-    solver["spread"][:] = PRIOR
-    evidence["spread"][:] = PRIOR
-    evidence["forgetting"] = settings.forgetting
-    evidence["memory"] = math.exp(-BLOCK * period / MEMORY)
-    evidence["lag"] = min(31, max(1, round(0.25 / (settings.cutoff * period))))
-    evidence["accuracy"] = joint.encoders.accuracy or 0.0
-    noise = column_noise(joint, settings, period)
-    evidence["noise"][:] = noise.columns
-    if joint.motors and settings.torque == "estimated":
-        described = joint.motors[motor]
-        inertia = described.reflected_inertia
-        value = inertia.value if inertia is not None else 0.0
-        if "inertia" not in settings.fit:
-            evidence["common"] = value * noise.acceleration
-        base = {"inertia": value, "damping": described.reflected_damping.value}
-        evidence["given"][:fitted] = [
-            base.get(name, 0.0) * scale for name, scale in zip(settings.fit, scales, strict=True)
-        ]
-    evidence["bias"] = BIAS
-    evidence["mute"][PULL] = "inertia" in settings.fit
-    evidence["mute"][DRAG] = "skew" in settings.fit or "damping" in settings.fit
-    evidence["known"][:fitted] = [
-        (known_std(joint, name, motor) * scale) ** 2
-        for name, scale in zip(settings.fit, scales, strict=True)
-    ]
-    if "shrink" in part.dtype.names:
-        part["shrink"]["first"] = first_shrunk(joint, fitted)
-    _readout(part["readout"], period)
-    notes["verdict"] = "starved above +-50 %, informative below +-10 % for 1 s"
-    if joint.encoders.accuracy:
-        notes["accuracy"] = f"deflection trusted to {joint.encoders.accuracy:g} rad (device file)"
-
-
-def _sums(sums: Any, settings: Settings, period: float) -> None:
-    sums["shortest"] = BLOCK
-    lengths = [BLOCK * 2.0**k for k in range(LEVELS)]
-    sums["fade"][:] = [settings.forgetting ** (2.0 * n) for n in lengths]
-    sums["fade_single"][:] = [math.exp(-2.0 * n * period / MEMORY) for n in lengths]
-
-
-def _readout(readout: Any, period: float) -> None:
-    readout["period"] = period
-    readout["starved"], readout["informative"], readout["hold"] = 0.5, 0.1, 1.0
-    readout["shrink"] = 0.01

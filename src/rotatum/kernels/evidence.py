@@ -34,10 +34,12 @@ class EvidenceParams(Record):
         "covariance of residual and acceleration that encoder noise gives them", unit="N m rad/s^2"
     )
     accuracy = number("systematic error of the deflection", unit="rad")
+    scale2 = number("square of the relative error of the left side's scale")
     mute = vector(PROBES, "1: what this probe looks for is a column already", kind="int")
     bias = number("relative error of the stiffness from which a model may be called wrong")
     spread = vector("p", "prior variance", unit="(N m)^2", symbol="P(0)")
     noise = vector("p", "variance of the encoders' noise in each column")
+    shared = vector("p", "covariance that this noise has with its share in y", unit="N m")
     given = vector("p", "what the coefficient adds to, in y already", unit="N m")
     known = vector(
         "p", "variance of what the device file says of a column, 0: nothing", unit="(N m)^2"
@@ -57,13 +59,14 @@ class EvidenceState(Record):
     inflation = number("factor on the read-out's variance for coloured residuals")
     spread = number("D^T P D where the inflation was renewed", unit="1/rad^2")
     deflection = number("rms deflection that nothing else explains", unit="rad")
-    relative2 = number("square of the relative error from the encoders' systematic one")
+    relative2 = number("square of the relative error that is systematic")
     noise = number("standard deviation of a row's noise", unit="N m", symbol="s")
     shift = number("how far the encoders' noise may have moved the stiffness", unit="N m/rad")
     direction = vector("p", "what a unit of each score does along the read-out direction")
     unit = vector("p", "scratch: a unit vector")
     column = vector("p", "scratch: a column of P")
     deviation = vector("p", "standard deviation of each coefficient", unit="N m")
+    faint = vector("p", "share of each column's own information that is noise, 0 to 1")
     turn = integer("coefficient whose standard deviation is renewed next")
     e = vector(RING, "recent residuals", unit="N m")
     f = vector(RING, "recent fitted elastic torques", unit="N m")
@@ -216,7 +219,7 @@ def judge(params: Any, state: Any, sums: Any, alpha: Any, D: Any, at: int, probe
             state.inflation = worst / (state.variance * q)
         state.deflection = math.sqrt(1.0 / (state.rows * q))
         a = params.accuracy / state.deflection
-        state.relative2 = a * a
+        state.relative2 = a * a + params.scale2
     state.noise = math.sqrt(state.variance)
     state.shift = _shift(params, state, state.direction, alpha)
     _tests(state, sums, probes)
@@ -225,13 +228,16 @@ def judge(params: Any, state: Any, sums: Any, alpha: Any, D: Any, at: int, probe
 def _shift(params: Any, state: Any, direction: Any, alpha: Any) -> float:
     """Bound of the bias along ``direction`` from noise in the columns themselves.
 
-    Noise of variance v in a column attenuates its coefficient: to first order least squares is
-    off by ``-P n v (given + alpha)``; ``given`` because y carries the same noise times what is
-    known.
+    Noise of variance v in a column attenuates its coefficient: least squares is off by
+    ``-P n (v (given + alpha) - c)`` with the true alpha; ``given`` because y carries the same noise
+    times what is known, c because other derivatives of it do too. What is seen of
+    ``given + alpha`` is attenuated by ``1 - a``, ``a = n v P_jj``: where a column is nearly all
+    noise its true size could be anything.
     """
     total = 0.0
     for j in range(len(direction)):
-        pull = state.rows * params.noise[j] * (params.given[j] + alpha[j])
+        true = (params.given[j] + alpha[j]) / (1.0 - state.faint[j])
+        pull = state.rows * (params.noise[j] * true - params.shared[j])
         total = total + math.fabs(direction[j] * pull)
     return total
 
@@ -241,9 +247,7 @@ def coefficient(
 ) -> None:
     """Renew one coefficient's standard deviation, ``column`` being P's column j.
 
-    ``bias2`` is the square of what shrinking may have taken from it. Noise in the column itself
-    attenuates the coefficient by ``1 - a``, ``a = n v P_jj``; what is seen is the attenuated one,
-    so that its bias is larger by ``1 / (1 - a)``.
+    ``bias2`` is the square of what shrinking may have taken from it.
     """
     own = state.variance * state.column[j]
     worst = blocks.worst(sums, at, state.column)
@@ -252,7 +256,8 @@ def coefficient(
     a = state.rows * params.noise[j] * state.column[j]
     if a > FAINTEST:
         a = FAINTEST
-    shift = _shift(params, state, state.column, alpha) / (1.0 - a)
+    state.faint[j] = a
+    shift = _shift(params, state, state.column, alpha)
     state.deviation[j] = math.sqrt(own + shift * shift + bias2)
 
 

@@ -133,19 +133,30 @@ def _part(reading: Any, out: Any, i: int) -> None:
         out.coefficients_std[i * p + j] = reading.coefficients_std[j]
 
 
+def read2(params: Any, out: Any) -> float:
+    """Variance of the sum from the noise of the positions its laws are read at."""
+    first = out.part_dstiffness[0]
+    second = out.part_dstiffness[1]
+    both = first + second
+    apart = first * first + second * second
+    variance: float = both * both * params.link2 + apart * params.motor2
+    return variance
+
+
 def tell(
     params: Any, state: Any, pair: Any, first: Any, second: Any, time: float, counted: int, out: Any
 ) -> None:
     """Standard deviation and verdict of the sum.
 
-    ``std^2 = n_1 + n_2 + 2 r sqrt(n_1 n_2) + (w_1 + w_2)^2``: noise n with its correlation,
-    systematic errors w as if they added up.
+    ``std^2 = n_1 + n_2 + 2 r sqrt(n_1 n_2) + (w_1 + w_2)^2 + read^2``: noise n with its
+    correlation, systematic errors w as if they added up, and where the laws are read: the link's
+    noise moves both deflections, each motor's its own.
     """
     a = first.readout
     b = second.readout
     common = 2.0 * pair.correlation * math.sqrt(a.noise2 * b.noise2)
     wrong = a.wrong2 + b.wrong2 + 2.0 * math.sqrt(a.wrong2 * b.wrong2)
-    variance = a.noise2 + b.noise2 + common + wrong
+    variance = a.noise2 + b.noise2 + common + wrong + read2(params, out)
     out.stiffness_std = 0.0
     if variance > 0.0:
         out.stiffness_std = math.sqrt(variance)

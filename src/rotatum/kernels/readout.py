@@ -25,6 +25,8 @@ class ReadoutParams(Record):
     informative = number("relative half interval below which it is informative")
     hold = number("time below before it is called so", unit="s")
     shrink = number("how much of the prior's variance may be left")
+    link2 = number("variance of the link position's noise", unit="rad^2")
+    motor2 = number("variance of the motor position's noise", unit="rad^2")
 
 
 class ReadoutState(Record):
@@ -92,6 +94,7 @@ def read(row: Any, alpha: Any, out: Any) -> None:
 
 
 def deviations(
+    params: Any,
     state: Any,
     evidence: Any,
     sigma_spread: float,
@@ -102,10 +105,11 @@ def deviations(
 ) -> None:
     """Standard deviations: coloured noise, and what the encoders' errors do to the stiffness.
 
-    ``std^2 = inflation s^2 D^T P D + (sigma a / phi)^2 + shift^2 + bias^2``: a systematic error
-    ``a`` of the deflection may be fully correlated with it, phi being the rms deflection that
-    informs the stiffness; ``shift`` bounds the bias from encoder noise in the columns, ``bias`` is
-    what shrinking may have taken.
+    ``std^2 = inflation s^2 D^T P D + (sigma a / phi)^2 + shift^2 + bias^2 + (sigma' n)^2``: a
+    systematic error ``a`` of the deflection may be fully correlated with it, phi being the rms
+    deflection that informs the stiffness; ``shift`` bounds the bias from encoder noise in the
+    columns, ``bias`` is what shrinking may have taken; n is the noise of the deflection at which
+    the law is read.
     """
     variance = evidence.variance
     if evidence.evaluated == 0:
@@ -118,9 +122,11 @@ def deviations(
     state.noise2 = scale * sigma_spread
     state.wrong2 = out.stiffness * out.stiffness * relative + evidence.shift * evidence.shift
     state.wrong2 = state.wrong2 + sigma_bias2
-    out.stiffness_std = math.sqrt(state.noise2 + state.wrong2)
+    read2 = out.dstiffness * out.dstiffness * (params.link2 + params.motor2)
+    out.stiffness_std = math.sqrt(state.noise2 + state.wrong2 + read2)
     wrong = out.torque * out.torque * relative + torque_bias2
-    out.torque_std = math.sqrt(scale * torque_spread + wrong)
+    read2 = out.stiffness * out.stiffness * (params.link2 + params.motor2)
+    out.torque_std = math.sqrt(scale * torque_spread + wrong + read2)
     out.noise = evidence.noise
     out.inflation = evidence.inflation
     out.informative_deflection = evidence.deflection

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from rotatum.kernels.status import DISABLED, SETTLING
 from rotatum.record import Record, integer, number, vector
 
 INERTIA = 1
@@ -12,6 +13,16 @@ COULOMB = 3
 SKEW = 4
 TRANSMISSION_DAMPING = 5
 OFFSET = 6
+LINK_DAMPING = 7
+LINK_COULOMB = 8
+GRAVITY_TORQUE = 9
+PAYLOAD = 10
+
+Y = 0
+PULL = 1
+MOVED = 2
+FIRST = 3
+"""Places in an operator's terms: left side, acceleration, link moved in two periods, columns."""
 
 
 class Sample(Record):
@@ -40,13 +51,37 @@ class Row(Record):
     status = integer("status bits")
     fresh = integer("1: the filters started at this sample")
     y = number("left side", unit="N m", symbol="y")
-    suspect = number("acceleration of the motor through the same operator, 0: none", unit="rad/s^2")
+    suspect = number(
+        "acceleration of the motor, or of the link from its side, through the same operator, "
+        "0: none",
+        unit="rad/s^2",
+    )
     drag = number("velocity of the link through the same operator, times any constant")
     phi = number("deflection now", unit="rad", symbol="phi")
+    phi2 = number("the antagonist's, where both share the row", unit="rad", symbol="phi_2")
     R = vector("p", "regressors", symbol="R")
     F = vector("p", "basis now, 0 for columns that are no spring", symbol="F")
     D = vector("p", "its derivative by deflection", unit="1/rad", symbol="F_phi")
     H = vector("p", "its second derivative", unit="1/rad^2", symbol="F_phiphi")
+
+
+class LinkSample(Record):
+    """One sample of a joint seen from its link, as the rows of the link side read it.
+
+    What comes from the arm belongs to two samples ago: link velocities are differences across it.
+    """
+
+    time = number("of the sample", unit="s", symbol="t")
+    q = number("link position", unit="rad", symbol="q")
+    theta = number("motor position, joint side; the agonist's of two", unit="rad", symbol="theta")
+    theta2 = number("the antagonist's", unit="rad", symbol="theta_2")
+    setpoint = number("set-point as logged, 0: there is none", symbol="s")
+    momentum = number("of the arm two samples ago", unit="N m s", symbol="p_i")
+    force = number("C^T q' - g of the arm, then", unit="N m")
+    payload_momentum = number("what a payload of 1 kg adds to the momentum", unit="N m s/kg")
+    payload_force = number("what it adds to the force", unit="N m/kg")
+    enable = integer("0: do not learn from this sample")
+    fresh = integer("1: the filters must start at this sample")
 
 
 class ZeroParams(Record):
@@ -121,6 +156,26 @@ def read_basis(terms: Any, out: Any) -> None:
         out.F[first + h] = terms.F[h]
         out.D[first + h] = terms.D[h]
         out.H[first + h] = terms.H[h]
+
+
+def emit(operator: Any, started: int, enable: int, out: Any) -> None:
+    """Write what an operator made to a row; ``started`` tells raw terms seen since the start."""
+    out.y = operator.value[Y]
+    out.suspect = operator.value[PULL]
+    out.drag = operator.value[MOVED]
+    for h in range(len(out.R)):
+        out.R[h] = operator.value[FIRST + h]
+    out.fresh = 0
+    if started <= 1:
+        out.fresh = 1
+    out.status = 0
+    out.valid = operator.ready
+    if operator.settled == 0:
+        out.valid = 0
+        out.status = SETTLING
+    if enable == 0:
+        out.valid = 0
+        out.status = out.status | DISABLED
 
 
 def hat(before: float, middle: float, after: float) -> float:

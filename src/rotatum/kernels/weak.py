@@ -1,15 +1,15 @@
-"""Rows of the weak form on the motor side: one operator on both sides of the balance.
+"""Terms of the weak form on the motor side: one operator on both sides of the balance.
 
-The balance is tested with hats (linear B-splines) of two periods' width, and the sequence of
-tested balances goes through a second-order low-pass:
+The balance is tested with hats (linear B-splines) of two periods' width:
 
     B <theta''> + D <theta'> + C <sgn theta'> - <tau> = <F>^T alpha,
     <theta''> = (theta(k) - 2 theta(k-1) + theta(k-2)) / T^2      exactly,
     <x> = (x(k) + 10 x(k-1) + x(k-2)) / 12                        sampled signals,
     <tau> = (tau(k-1) + tau(k-2)) / 2                             exactly, held commands.
 
-No signal is differentiated but under the test function; the same low-pass on every term leaves
-no lag bias, whatever its cutoff.
+The sequence of tested balances then goes through an operator: poles (``kernels.cascade``) or a
+window (``kernels.window``). No signal is differentiated but under the test function; the same
+operator on every term leaves no lag bias, whatever its width.
 """
 
 from __future__ import annotations
@@ -17,29 +17,29 @@ from __future__ import annotations
 from typing import Any
 
 from rotatum.kernels import basis, rows
-from rotatum.kernels.lowpass import smooth
 from rotatum.kernels.rows import (
     COULOMB,
     DAMPING,
+    FIRST,
     INERTIA,
+    MOVED,
+    PULL,
     SKEW,
     TRANSMISSION_DAMPING,
+    Y,
     find_zero,
     hat,
     read_basis,
 )
-from rotatum.kernels.status import DISABLED, SETTLING
 from rotatum.record import Record, integer, number, vector
 
 RING = 64
 
 
 class WeakParams(Record):
-    """The operator, the motor, and which columns are fitted."""
+    """The motor, and which columns are fitted."""
 
     period = number("time between samples", unit="s", symbol="T")
-    pole = number("pole of the low-pass, exp(-cutoff T)", symbol="a")
-    settle = integer("rows after a start until the first one is used")
     delay = integer("samples a row lags behind, half the span of the velocity; 0: no friction")
     held = integer(
         "1: the torque is a command held until the next sample; 0: measured at the instant"
@@ -53,7 +53,7 @@ class WeakParams(Record):
 
 
 class WeakState(Record):
-    """The samples a hat spans, and the low-pass of y and of each column."""
+    """The samples a hat spans, and the balance tested with it."""
 
     count = integer("samples since (re)start")
     q = vector(RING, "link positions, the last ones in a ring", unit="rad")
@@ -80,16 +80,8 @@ class WeakState(Record):
     acceleration = number("<theta''>", unit="rad/s^2")
     velocity = number("<theta'>", unit="rad/s")
     friction = number("<sgn theta'>")
-    raw_y = number("y before the low-pass", unit="N m")
-    raw = vector("p", "columns before the low-pass")
-    y1 = number("y after the first pole", unit="N m")
-    y2 = number("y after the second pole", unit="N m")
-    a1 = number("acceleration after the first pole", unit="rad/s^2")
-    a2 = number("acceleration after the second pole", unit="rad/s^2")
-    v1 = number("link moved in two periods, after the first pole", unit="rad")
-    v2 = number("link moved in two periods, after the second pole", unit="rad")
-    R1 = vector("p", "columns after the first pole")
-    R2 = vector("p", "columns after the second pole")
+    raw = vector("c", "left side, acceleration, link moved in two periods, columns")
+    made = integer("1: there are terms at this sample")
 
 
 def motor_init(params: Any, state: Any) -> None:
@@ -98,9 +90,10 @@ def motor_init(params: Any, state: Any) -> None:
 
 
 def motor_step(params: Any, state: Any, u: Any, out: Any) -> None:
-    """Row from motor position and torque. ``u`` carries ``fresh``: 1 restarts the filters."""
+    """Terms from motor position and torque. ``u`` carries ``fresh``: 1 starts anew."""
     p = params.weak
     w = state.weak
+    w.made = 0
     _deflect(params, state, u, out)
     if p.delay == 0:
         _now(w, u)
@@ -112,7 +105,6 @@ def motor_step(params: Any, state: Any, u: Any, out: Any) -> None:
             phi = w.q0 - w.theta0 - state.zero.zero
             basis.evaluate(params.basis, state.past, phi, w.setpoint0)
             _advance(p, w, state.past)
-    _emit(p, w, u, out)
 
 
 def sensor_init(params: Any, state: Any) -> None:
@@ -121,16 +113,15 @@ def sensor_init(params: Any, state: Any) -> None:
 
 
 def sensor_step(params: Any, state: Any, u: Any, out: Any) -> None:
-    """Row from a torque sensor: the same operator on measured torque and basis."""
+    """Terms from a torque sensor: the same operator on measured torque and basis."""
     w = state.weak
+    w.made = 0
     _deflect(params, state, u, out)
     _now(w, u)
     if w.count >= 2:
-        w.raw_y = hat(w.torque2, w.torque1, w.torque0)
+        w.raw[Y] = hat(w.torque2, w.torque1, w.torque0)
         _columns(params.weak, w, state.terms)
-        _filter(params.weak, w)
     _remember(w, state.terms)
-    _emit(params.weak, w, u, out)
 
 
 def _deflect(params: Any, state: Any, u: Any, out: Any) -> None:
@@ -189,7 +180,6 @@ def _advance(p: Any, w: Any, terms: Any) -> None:
     if w.count >= 2:
         _balance(p, w)
         _columns(p, w, terms)
-        _filter(p, w)
     _remember(w, terms)
 
 
@@ -202,52 +192,32 @@ def _balance(p: Any, w: Any) -> None:
     w.acceleration = (w.theta0 - 2.0 * w.theta1 + w.theta2) * rate * rate
     w.velocity = 0.5 * (w.theta0 - w.theta2) * rate
     w.friction = hat(w.sign2, w.sign1, w.sign0)
-    w.raw_y = p.inertia * w.acceleration + p.damping * w.velocity + p.coulomb * w.friction - tau
+    w.raw[Y] = p.inertia * w.acceleration + p.damping * w.velocity + p.coulomb * w.friction - tau
 
 
 def _columns(p: Any, w: Any, terms: Any) -> None:
     T = p.period
+    w.made = 1
+    w.raw[PULL] = w.acceleration
+    w.raw[MOVED] = w.q0 - w.q2
     first = len(w.raw) - len(terms.F)
     for h in range(len(terms.F)):
         w.raw[first + h] = hat(w.F2[h], w.F1[h], terms.F[h])
-    for h in range(first):
+    for h in range(first - FIRST):
         kind = p.kind[h]
         if kind == INERTIA:
-            w.raw[h] = -w.acceleration / p.scale[h]
+            column = -w.acceleration
         elif kind == DAMPING:
-            w.raw[h] = -w.velocity / p.scale[h]
+            column = -w.velocity
         elif kind == COULOMB:
-            w.raw[h] = -w.friction / p.scale[h]
+            column = -w.friction
         elif kind == SKEW:
-            w.raw[h] = (w.q0 - w.q2) / (2.0 * T * p.scale[h])
+            column = (w.q0 - w.q2) / (2.0 * T)
         elif kind == TRANSMISSION_DAMPING:
-            w.raw[h] = ((w.q0 - w.theta0) - (w.q2 - w.theta2)) / (2.0 * T * p.scale[h])
+            column = ((w.q0 - w.theta0) - (w.q2 - w.theta2)) / (2.0 * T)
         else:
-            w.raw[h] = 1.0 / p.scale[h]
-
-
-def _filter(p: Any, w: Any) -> None:
-    moved = w.q0 - w.q2
-    if w.count == 2:
-        # Started at the first raw row, all terms of the balance alike: no transient to wait for.
-        w.y1 = w.raw_y
-        w.y2 = w.raw_y
-        w.a1 = w.acceleration
-        w.a2 = w.acceleration
-        w.v1 = moved
-        w.v2 = moved
-        for h in range(len(w.raw)):
-            w.R1[h] = w.raw[h]
-            w.R2[h] = w.raw[h]
-    w.y1 = smooth(p.pole, w.y1, w.raw_y)
-    w.y2 = smooth(p.pole, w.y2, w.y1)
-    w.a1 = smooth(p.pole, w.a1, w.acceleration)
-    w.a2 = smooth(p.pole, w.a2, w.a1)
-    w.v1 = smooth(p.pole, w.v1, moved)
-    w.v2 = smooth(p.pole, w.v2, w.v1)
-    for h in range(len(w.raw)):
-        w.R1[h] = smooth(p.pole, w.R1[h], w.raw[h])
-        w.R2[h] = smooth(p.pole, w.R2[h], w.R1[h])
+            column = 1.0
+        w.raw[FIRST + h] = column / p.scale[h]
 
 
 def _remember(w: Any, terms: Any) -> None:
@@ -263,22 +233,3 @@ def _remember(w: Any, terms: Any) -> None:
         w.F2[h] = w.F1[h]
         w.F1[h] = terms.F[h]
     w.count = w.count + 1
-
-
-def _emit(p: Any, w: Any, u: Any, out: Any) -> None:
-    out.y = w.y2
-    out.suspect = w.a2
-    out.drag = w.v2
-    for h in range(len(w.R2)):
-        out.R[h] = w.R2[h]
-    out.fresh = 0
-    if w.count <= 1:
-        out.fresh = 1
-    out.status = 0
-    out.valid = 1
-    if w.count <= p.settle:
-        out.valid = 0
-        out.status = SETTLING
-    if u.enable == 0:
-        out.valid = 0
-        out.status = out.status | DISABLED

@@ -63,8 +63,9 @@ class Mapped:
 def map_channels(device: Device, names: Sequence[str], path: str) -> Mapped:
     """Find the channels of every joint of a device in a file.
 
-    Roles with an entry in [channels] are taken from there; others from the canonical column
-    `<joint>.<role>` if the file has it. With one joint in the device, no names in its [channels]
+    Roles whose entry in [channels] names a column are taken from there; others from the canonical
+    column `<joint>.<role>` if the file has it: an entry without a name says how it is kept where
+    there is one. With one joint in the device, no names in its [channels]
     and one prefix in the file, that prefix is the joint.
 
     Parameters
@@ -83,7 +84,7 @@ def map_channels(device: Device, names: Sequence[str], path: str) -> Mapped:
         found = [
             _column(joint, name, role, joint.channels.get(role, Channel()))
             for role in joint.roles
-            if role in joint.channels or f"{name}.{role}" in names
+            if _named(joint.channels.get(role)) or f"{name}.{role}" in names
         ]
         if not found:
             what = f"no channel of joint {name}; the device needs [channels], or the log columns"
@@ -124,14 +125,17 @@ def _column(joint: Joint, name: str, role: str, channel: Channel) -> Column:
 
 def _pick(label: str, channel: Channel) -> Pick:
     """Say where the file keeps a channel; without a name and an index in the canonical column."""
-    bare = channel.name is None and channel.index is None
-    return Pick(label, label if bare else channel.name, channel.index)
+    return Pick(label, channel.name if _named(channel) else label, channel.index)
+
+
+def _named(channel: Channel | None) -> bool:
+    """Whether an entry says where the file keeps the channel."""
+    return channel is not None and (channel.name is not None or channel.index is not None)
 
 
 def _joint_name(joint: Joint, device: Device, names: Sequence[str]) -> str:
     """Return the prefix of a joint's canonical columns."""
-    named = any(c.name is not None or c.index is not None for c in joint.channels.values())
-    if named or len(device.joints) > 1:
+    if len(device.joints) > 1 or any(_named(c) for c in joint.channels.values()):
         return joint.name
     prefixes = {name.rpartition(".")[0] for name in names if name.rpartition(".")[2] in joint.roles}
     prefixes.discard("")

@@ -11,7 +11,7 @@ from rotatum.errors import DeviceError
 from rotatum.models.channel import MOTOR_SIDE_ROLES, ROLE_KINDS, ROLES, SETPOINT_MOTOR, Channel
 from rotatum.models.parts import Basis, Encoders, Link, Motor, Setpoint
 from rotatum.models.sources import check_key, flat_sources, source_of
-from rotatum.models.table import Positive, Table, bad_choice
+from rotatum.models.table import Positive, Real, Table, bad_choice
 from rotatum.models.transmission import Transmission
 from rotatum.models.units import find_unit, unit_names
 
@@ -36,10 +36,11 @@ class EstimatorSettings(Table):
     """How the device's maker suggests to estimate; the command line overrides.
 
     method; side "motor" or "link"; torque "estimated", "sensor" or "model"; cutoff [rad/s] or
-    window [s]; fit: quantities fitted beside the stiffness; forgetting in (0, 1]; shrinkage:
-    whether high orders are shrunk as far as the data do not ask for them; period [s]: of the logs
-    this device writes (one that differs by more than 1 % is refused; stands in for a time channel
-    where a log has none).
+    window [s]; fit: quantities fitted beside the stiffness; payload_frame, payload_position [m in
+    it]: where a fitted payload is (the origin of the arm's last frame); forgetting in (0, 1];
+    shrinkage: whether high orders are shrunk as far as the data do not ask for them; period [s]: of
+    the logs this device writes (one that differs by more than 1 % is refused; stands in for a time
+    channel where a log has none).
     """
 
     method: str | None = None
@@ -48,6 +49,8 @@ class EstimatorSettings(Table):
     cutoff: Positive | None = None
     window: Positive | None = None
     fit: tuple[str, ...] | None = None
+    payload_frame: str | None = None
+    payload_position: tuple[Real, Real, Real] | None = None
     forgetting: Annotated[float, Field(strict=True, gt=0.0, le=1.0)] | None = None
     shrinkage: Annotated[bool, Field(strict=True)] | None = None
     period: Positive | None = None

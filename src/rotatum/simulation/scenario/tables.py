@@ -35,9 +35,12 @@ class EstimateTable(Part):
     side: Literal["motor", "link"] | None = None
     torque: Literal["estimated", "sensor", "model"] | None = None
     cutoff: Positive | None = None
+    window: Positive | None = None
+    order: Annotated[int, Field(strict=True, gt=0)] | None = None
+    stride: Annotated[int, Field(strict=True, gt=0)] | None = None
     fit: tuple[str, ...] | None = None
     forgetting: Annotated[float, Field(strict=True, gt=0.0, le=1.0)] | None = None
-    solver: Literal["ud", "covariance"] | None = None
+    solver: Literal["ud", "covariance", "continuous"] | None = None
     shrinkage: Annotated[bool, Field(strict=True)] | None = None
     start: NonNegative | None = None
 

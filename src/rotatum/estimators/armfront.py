@@ -1,0 +1,210 @@
+"""What an arm knows before its joints: good samples, link velocities, momentum and forces."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotatum.errors import MethodError, check_names
+from rotatum.estimators.shapes import roles
+from rotatum.estimators.tuning import MISSING, Prepared, fill_guard
+from rotatum.kernels import arm, guard
+from rotatum.models import Device
+from rotatum.models.robot.interface import Robot
+from rotatum.record import Field, Layout, Records
+from rotatum.runtime.bank import Bank
+from rotatum.runtime.stage import Stage
+
+Array = NDArray[np.float64]
+FIELDS = {"q": "q", "theta": "theta", "theta1": "theta", "theta2": "theta2", "setpoint": "setpoint"}
+"""Role of a channel to the field of ``ArmSample`` it goes to."""
+
+
+class Load(NamedTuple):
+    """What the arm's dynamics say at one instant, all (n,).
+
+    Args:
+        momentum: ``p = M(q) q'``, N m s.
+        force: ``C^T q' - g``, N m.
+        payload_momentum, payload_force: what 1 kg at the payload's frame adds to them.
+    """
+
+    momentum: Array
+    force: Array
+    payload_momentum: Array
+    payload_force: Array
+
+
+Provider = Callable[[Array, Array], Load]
+"""Link positions and velocities, (n,) each, to the load."""
+
+
+def load_provider(robot: Robot, payload: Robot | None) -> Provider:
+    """Return the load of an arm: ``p' - C^T q' + g`` is what its links ask of the joints.
+
+    Args:
+        robot: the arm as known.
+        payload: the same arm with 1 kg where a payload is fitted; None: none is.
+    """
+    none = np.zeros(robot.size)
+
+    def load(q: Array, dq: Array) -> Load:
+        momentum = robot.mass(q) @ dq
+        force = robot.coriolis_transposed(q, dq) - robot.gravity(q)
+        if payload is None:
+            return Load(momentum, force, none, none)
+        return Load(
+            momentum,
+            force,
+            payload.mass(q) @ dq - momentum,
+            payload.coriolis_transposed(q, dq) - payload.gravity(q) - force,
+        )
+
+    return load
+
+
+@lru_cache(maxsize=16)
+def arm_stage(n: int) -> Stage:
+    """Make the stage that judges samples of an arm of n joints and makes link velocities."""
+    name, doc = f"arm_of_{n}", "Samples of an arm, judged together, with its link velocities."
+    c, m = 4 * n, MISSING + 1
+    params = {"guard": guard.GuardParams.layout(c=c), "arm": arm.ArmParams.layout()}
+    state = {"guard": guard.GuardState.layout(c=c), "arm": arm.ArmState.layout(n=n)}
+    return Stage(
+        name,
+        Layout(f"{name}_params", doc, {k: Field(v) for k, v in params.items()}),
+        Layout(f"{name}_state", doc, {k: Field(v) for k, v in state.items()}),
+        arm.ArmSample.layout(n=n),
+        arm.ArmSteps.layout(m=m, n=n),
+        arm.init,
+        arm.step,
+        ("gautier1997",),
+    )
+
+
+class ArmFront:
+    """The whole-arm half of estimating from the link side.
+
+    A sample goes through the guard once; those that were missing before it are filled in; each
+    gets the arm's momentum and forces two samples ago, and is then handed to the joints.
+
+    Args:
+        device: with a robot.
+        prepared: its joints, all of them.
+
+    Raises:
+        MethodError: joints differ in period or the payload's frame is not one of the arm's.
+        ExtraError: the arm needs pinocchio.
+    """
+
+    def __init__(self, device: Device, prepared: Sequence[Prepared]) -> None:
+        robot = device.build_robot()
+        assert robot is not None  # settings tell arms from pendulums by it
+        self.prepared = tuple(prepared)
+        self.roles = [roles(p.joint.actuation, "estimated", "link") for p in prepared]
+        self.provider = load_provider(robot, _with_payload(device, robot, prepared))
+        stage = arm_stage(len(prepared))
+        params = stage.params.zeros(1)
+        for i, p in enumerate(prepared):
+            fill_guard(params["guard"][0], p.joint, p.settings, p.notes, i, len(prepared))
+        params["arm"]["period"] = prepared[0].settings.operator.period
+        self.bank = Bank(stage, params)
+        self.u = stage.input.zeros(1)
+        self.out = stage.output.zeros(1)
+
+        joints = prepared[0].stage.input
+        self.fields = tuple(name for name in joints.fields if name != "enable")
+        self.joints = joints.zeros(len(prepared))
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self.bank.reset()
+
+    def put(self, role: str, places: NDArray[np.intp], values: Any) -> None:
+        """Put one sample of a channel of some joints where ``advance`` reads it."""
+        self.u[FIELDS[role]][0, places] = values
+
+    def advance(self, time: float) -> int:
+        """Take the sample that was put; returns how many steps, a refusal being one, it makes."""
+        self.u["time"] = time
+        self.bank.update(self.u, self.out)
+        return max(1, int(self.out["steps"][0]))
+
+    def batch(self, time: Array, channels: Sequence[Mapping[str, Array]]) -> Records:
+        """Input records of a batch, (N, 1).
+
+        Args:
+            time: (N,) s.
+            channels: per joint, role to (N,).
+        """
+        u = self.bank.stage.input.zeros(len(time), 1)
+        u["time"][:, 0] = time
+        for i, (wanted, logged) in enumerate(zip(self.roles, channels, strict=True)):
+            for role in wanted:
+                u[FIELDS[role]][:, 0, i] = logged[role]
+        return u
+
+    def expand(self, u: Records, layout: Layout) -> tuple[Records, NDArray[np.intp]]:
+        """Samples for the joints, one row a step or a refusal, and each sample's last row.
+
+        Args:
+            u: (N, 1) records from ``batch``.
+            layout: of the joints' samples.
+
+        Returns:
+            (S, n) records, and (N,) the row whose output is the sample's.
+        """
+        steps = self.bank.run(u)[:, 0]
+        last = np.cumsum(np.maximum(steps["steps"], 1)) - 1
+        found = layout.zeros(int(last[-1]) + 1 if len(last) else 0, len(self.prepared))
+        found["enable"] = 1
+        row = 0
+        for time, one in zip(u["time"][:, 0], steps, strict=True):
+            for k in range(max(1, int(one["steps"]))):
+                self._fill(found[row], one, k, time)
+                row += 1
+        return found, last
+
+    def fill(self, k: int, time: float) -> None:
+        """Fill step k of the sample that was advanced into ``joints``, all but ``enable``."""
+        self._fill(self.joints, self.out[0], k, time)
+
+    def _fill(self, target: Records, one: Any, k: int, time: float) -> None:
+        """A refused sample, and the last step of one, have the sample's time and status."""
+        count = int(one["steps"])
+        target["hold"] = int(count == 0)
+        target["status"] = one["status"] if k >= count - 1 else 0
+        target["time"] = time if k >= count - 1 else one["time"][k]
+        if count == 0:
+            return
+        for field in ("q", "theta", "theta2", "setpoint"):
+            target[field] = one[field][k]
+        if one["known"][k]:
+            load = self.provider(one["q_past"][k], one["dq_past"][k])
+            target["momentum"], target["force"] = load.momentum, load.force
+            target["payload_momentum"] = load.payload_momentum
+            target["payload_force"] = load.payload_force
+        target["fresh"] = one["fresh"] if k == 0 else 0
+
+
+def _with_payload(device: Device, robot: Robot, prepared: Sequence[Prepared]) -> Robot | None:
+    """The arm with 1 kg where a payload is fitted; None: none is."""
+    fitting = [p.joint.estimator for p in prepared if "payload" in p.settings.fit]
+    if not fitting:
+        return None
+    places = {(own.payload_frame, own.payload_position) for own in fitting}
+    if len(places) > 1:
+        raise MethodError(
+            "an arm carries its payload at one place",
+            where=device.source,
+            value=sorted(map(str, places)),
+        )
+    frame, position = places.pop()
+    if frame is not None:
+        what = "the arm has no such frame for its payload"
+        check_names([frame], robot.frames, what=what, where=device.source)
+    return robot.with_payload(frame or robot.frames[-1], 1.0, position or (0.0, 0.0, 0.0))

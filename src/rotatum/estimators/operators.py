@@ -1,0 +1,126 @@
+"""The operators that rows go through: their weights, delays, and what noise they let pass."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+EXPONENTIAL = "exponential"
+WINDOW = "window"
+CENTRED = {0: (0.0, 1.0, 0.0), 1: (0.5, 0.0, -0.5), 2: (1.0, -2.0, 1.0)}
+"""Derivatives of order 0, 1, 2 under the hat, times T^order."""
+
+
+@dataclass(frozen=True)
+class Operator:
+    """A causal linear operator with as much gain as a mean has.
+
+    Args:
+        kind: ``"exponential"``: ``(cutoff / (s + cutoff))^order``; ``"window"``: weights
+            ``(u (1 - u))^order``, u from 0 to 1 over the last ``window`` seconds.
+        order: 2 or 3 poles; power 2 to 5 of the window.
+        width: cutoff in rad/s, or window in s.
+        period: T, s.
+        derivative: 1: the derivative of the window instead (menard2013), whose mean is 0.
+        every: samples from one row to the next; 1 with poles.
+    """
+
+    kind: str
+    order: int
+    width: float
+    period: float
+    derivative: int = 0
+    every: int = 1
+
+    @property
+    def cutoff(self) -> float:
+        """Bandwidth, rad/s: of a window, that of the poles with its delay."""
+        return self.width if self.kind == EXPONENTIAL else 4.0 / self.width
+
+    @property
+    def pole(self) -> float:
+        """Of an exponential operator, exp(-cutoff T)."""
+        return math.exp(-self.width * self.period)
+
+    @property
+    def length(self) -> int:
+        """Samples under a window."""
+        return round(self.width / self.period) - 1
+
+    @property
+    def delay(self) -> float:
+        """Seconds by which a row's centre lags behind its last sample, the hat's included."""
+        if self.kind == WINDOW:
+            return 0.5 * (self.length + 1) * self.period
+        lag = self.pole / (1.0 - self.pole)
+        return (1.0 + self.order * lag) * self.period
+
+    @property
+    def row_period(self) -> float:
+        """Seconds from one row to the next."""
+        return self.every * self.period
+
+    def weights(self) -> Array:
+        """Weights of a window, newest first; their absolute values add up to 1.
+
+        ``w(m) = (u (1 - u))^order`` at the ``length`` inner points of the grid; with ``derivative``
+        its central difference on that grid: see ``kernels.window`` for why these are exact.
+        """
+        n = self.length + 1
+        u = np.arange(n + 1) / n
+        bump = (u * (1.0 - u)) ** self.order
+        if self.derivative:
+            # Newest first: later in time is towards the front.
+            inner = bump[:-2] - bump[2:]
+        else:
+            inner = bump[1:-1]
+        found: Array = inner / np.abs(inner).sum()
+        return found
+
+    def response(self) -> Array:
+        """Impulse response, newest first; of poles as long as it matters (1e-9 of its sum)."""
+        if self.kind == WINDOW:
+            return self.weights()
+        a, n = self.pole, 1
+        while math.exp(-self.width * self.period * n) * (1.0 + n * (1.0 - a)) ** 2 > 1e-9:
+            n = n + 1 + n // 2
+        found = np.zeros(n)
+        found[0] = 1.0
+        for _ in range(self.order):
+            for k in range(n):
+                found[k] = (1.0 - a) * found[k] + (a * found[k - 1] if k else 0.0)
+        return found
+
+    def noise_gain(self, difference: int, taps: Array | None = None) -> float:
+        """Power gain of white noise through a derivative of that order and the operator.
+
+        Args:
+            difference: 0, 1 or 2.
+            taps: of the derivative in place of the hat's, times T^difference.
+        """
+        chosen = CENTRED[difference] if taps is None else taps
+        through = np.convolve(self.response(), chosen) / self.period**difference
+        return float(through @ through)
+
+    def cross_gain(self, first: Array, second: Array) -> float:
+        """Mean product of white noise through two differences, each followed by the operator."""
+        response = self.response()
+        a, b = (np.convolve(response, taps) for taps in (first, second))
+        n = max(len(a), len(b))
+        return float(np.pad(a, (0, n - len(a))) @ np.pad(b, (0, n - len(b))))
+
+    def __str__(self) -> str:
+        """As notes say it."""
+        if self.kind == EXPONENTIAL:
+            return f"{self.width:g} rad/s, {self.order} pole{'s' if self.order > 1 else ''}"
+        shape = f"(u (1 - u))^{self.order}"
+        slope = "the slope of " if self.derivative else ""
+        return (
+            f"{slope}{shape} over {self.width:g} s, a row every {1e3 * self.row_period:g} ms, "
+            f"{1e3 * self.delay:g} ms late"
+        )

@@ -1,0 +1,166 @@
+"""Which operator rows go through: poles or a window, how wide, chosen where nothing is asked."""
+
+from __future__ import annotations
+
+import math
+
+from rotatum.errors import MethodError
+from rotatum.estimators.operators import EXPONENTIAL, WINDOW, Operator
+from rotatum.models import Joint
+
+DEFAULT_CUTOFF = 300.0
+LOWEST_CUTOFF = 30.0  # of the default: slower, a hand-moved joint would pass no row
+COARSE = 0.005  # encoder noise through the operator over the deflection's range
+ALGEBRAIC_WINDOW = 1.0  # s, the paper's
+POLES = (2, 3)
+LINK_POLES = 3  # rows have the link's acceleration in them, whose noise two poles do not take away
+POWERS = (2, 3, 4, 5)
+ROWS_PER_WINDOW = 10
+LONGEST = 8192  # samples under a window: what its ring may cost
+
+
+def choose_operator(
+    joint: Joint,
+    method: str,
+    period: float,
+    where: str,
+    reasons: dict[str, str],
+    *,
+    cutoff: float | None,
+    window: float | None,
+    order: int | None,
+    stride: int | None,
+    noise: tuple[float, float],
+    cutoffs: tuple[tuple[str, float], ...] = (),
+    side: str = "motor",
+) -> Operator:
+    """Choose the operator: the caller's word, then the device file's, then by noise and period.
+
+    Args:
+        joint: its encoders, basis and ``[estimator]``.
+        method: ``"weak"``, ``"algebraic"`` or ``"residual"``.
+        period: s.
+        where: for messages.
+        reasons: filled in with where ``cutoff`` or ``window`` comes from.
+        cutoff, window, order, stride: asked for; None: not.
+        noise: standard deviation of link and motor positions, rad.
+        cutoffs: signals in the rows, and the highest cutoff, rad/s, their noise allows.
+        side: of the balance.
+
+    Raises:
+        MethodError: a width or order that the method or the period does not allow.
+    """
+    if cutoff is not None and window is not None:
+        raise MethodError(
+            "give a cutoff (rad/s) or a window (s), not both", where=where, value=(cutoff, window)
+        )
+    filed = joint.estimator
+    if cutoff is None and window is None:
+        # A width of the other kind was filed for another method.
+        cutoff = filed.cutoff if method != "algebraic" else None
+        window = filed.window if method != "residual" else None
+        told = "device file"
+    else:
+        told = "asked for"
+    if method != "algebraic" and window is None:
+        default, why = _default_cutoff(joint, method, period, noise, cutoffs)
+        reasons["cutoff"] = why if cutoff is None else told
+        width = _cutoff(default if cutoff is None else cutoff, method, period, where)
+        if stride is not None:
+            raise MethodError("only a window has a stride", where=where, value=stride)
+        if method == "residual":
+            return Operator(EXPONENTIAL, 1, width, period)
+        poles = _order(
+            order, POLES, LINK_POLES if side == "link" else 2, "poles of the low-pass", where
+        )
+        return Operator(EXPONENTIAL, poles, width, period)
+    if method == "residual":
+        raise MethodError("residual has a cutoff (rad/s), not a window", where=where, value=window)
+    if method == "algebraic" and cutoff is not None:
+        raise MethodError("algebraic has a window (s), not a cutoff", where=where, value=cutoff)
+    reasons["window"] = "default, the paper's" if window is None else told
+    power = _order(order, POWERS, 3, "power of the window", where)
+    seconds = _window(ALGEBRAIC_WINDOW if window is None else window, power, period, where)
+    samples = round(seconds / period)
+    every = max(1, samples // ROWS_PER_WINDOW) if stride is None else stride
+    if not 1 <= every < samples:
+        raise MethodError(
+            "stride is the number of samples from one row to the next",
+            where=where,
+            value=stride,
+            allowed=f"1 <= stride < {samples}",
+        )
+    return Operator(WINDOW, power, samples * period, period, int(method == "algebraic"), every)
+
+
+def _order(value: int | None, allowed: tuple[int, ...], default: int, what: str, where: str) -> int:
+    if value is None:
+        return default
+    if value not in allowed:
+        raise MethodError(
+            f"no such {what}", where=where, value=value, allowed=tuple(map(str, allowed))
+        )
+    return value
+
+
+def _default_cutoff(
+    joint: Joint,
+    method: str,
+    period: float,
+    noise: tuple[float, float],
+    cutoffs: tuple[tuple[str, float], ...],
+) -> tuple[float, str]:
+    """300 rad/s, at most half the sample rate; for ``weak`` lower where positions are noisy.
+
+    Rows of ``weak`` have no lag bias, so that a lower cutoff costs nothing but speed of reaction.
+    It is lowered until the noise of the deflection, through the low-pass, is half a per cent of its
+    range, and as far as the signals in the rows ask for; but not below 30 rad/s.
+    """
+    cutoff = min(DEFAULT_CUTOFF, 0.5 / period)
+    why = f"default: {DEFAULT_CUTOFF:g} rad/s, at most half the sample rate"
+    spread = math.hypot(*noise)
+    reach = joint.basis.deflection_range
+    if method != "weak":
+        return cutoff, why
+    for signal, highest in cutoffs:
+        if max(highest, LOWEST_CUTOFF) < cutoff:
+            cutoff = max(highest, LOWEST_CUTOFF)
+            why = f"default: lowered for the noise of the {signal} in this log"
+    if reach is None or spread == 0.0:
+        return cutoff, why
+    highest = cutoff
+    while cutoff > LOWEST_CUTOFF:
+        gain = Operator(EXPONENTIAL, 2, cutoff, period).noise_gain(0)
+        if spread * math.sqrt(gain) <= COARSE * reach:
+            break
+        cutoff = max(LOWEST_CUTOFF, 0.9 * cutoff)
+    if cutoff < highest:
+        why += f", lowered because the encoders' counts are coarse for a range of {reach:g} rad"
+    return cutoff, why
+
+
+def _cutoff(value: object, method: str, period: float, where: str) -> float:
+    # Above these a pole is faster than a sample: nothing is filtered, the setting says nothing.
+    highest = (5.0 if method == "residual" else math.pi) / period
+    if not isinstance(value, int | float) or not 0.0 < value <= highest:
+        raise MethodError(
+            "cutoff (rad/s) does not fit the sample period",
+            where=where,
+            value=value,
+            allowed=f"0 < cutoff <= {highest:.6g} rad/s at a period of {period:.6g} s",
+        )
+    return float(value)
+
+
+def _window(value: object, power: int, period: float, where: str) -> float:
+    shortest, longest = 2 * power + 2, LONGEST
+    fits = isinstance(value, int | float) and math.isfinite(value)
+    if not fits or not shortest <= round(float(value) / period) <= longest:  # type: ignore[arg-type]
+        raise MethodError(
+            "window (s) does not fit the sample period",
+            where=where,
+            value=value,
+            allowed=f"{shortest * period:.6g} to {longest * period:.6g} s at a period of "
+            f"{period:.6g} s",
+        )
+    return float(value)  # type: ignore[arg-type]
