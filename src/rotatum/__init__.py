@@ -15,11 +15,19 @@ __getattr__, __dir__, __all__ = _lazy.attach(
     submod_attrs={
         "errors": ["RotatumError"],
         "estimators": ["Estimator"],
-        "evaluation": ["Estimate", "JointEstimate", "estimate"],
+        "evaluation": [
+            "Comparison",
+            "Estimate",
+            "JointEstimate",
+            "Recommendation",
+            "compare",
+            "estimate",
+            "recommend",
+        ],
         "export": ["export_c"],
         "logs": ["Log", "LogReader", "open_log", "read_log", "write_table"],
         "models": ["Device", "Joint", "device_names", "load_device"],
-        "report": ["plot", "write_report"],
+        "report": ["plot", "plot_comparison", "write_comparison", "write_report"],
         "runtime": ["Bank", "Stage"],
         "simulation": [
             "Effects",

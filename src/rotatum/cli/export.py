@@ -16,9 +16,13 @@ from rotatum.cli.options import (
     Joints,
     Json,
     Method,
+    Order,
     Shrinkage,
+    Side,
     Solver,
+    Stride,
     Torque,
+    Window,
 )
 
 __all__ = ["app", "c"]
@@ -38,8 +42,12 @@ def c(
         Path, typer.Option("--output", "-o", help="A new or empty folder, or an earlier export.")
     ],
     method: Method = None,
+    side: Side = None,
     torque: Torque = None,
     cutoff: Cutoff = None,
+    window: Window = None,
+    order: Order = None,
+    stride: Stride = None,
     fit: Fit = None,
     forgetting: Forgetting = None,
     solver: Solver = None,
@@ -65,21 +73,26 @@ def c(
 
     check_folder(output)
 
-    from rotatum.cli.vector import group_of, holds_of, period_of, records, zeros_of
+    from rotatum.cli.vector import check_side, group_of, holds_of, period_of, records, zeros_of
     from rotatum.estimators import Estimator
     from rotatum.export import export_c
     from rotatum.logs import open_log
     from rotatum.models import load_device
 
     robot = load_device(device).only(joint)
+    check_side(robot, side)
     opened = open_log(log, robot) if log is not None else None
     with progress("exporting") as shown:
         loop = Estimator(
             robot,
             period=period_of(robot, period, opened),
             method=method,
+            side=side,
             torque=torque,
             cutoff=cutoff,
+            window=window,
+            order=order,
+            stride=stride,
             fit=names(fit),
             forgetting=forgetting,
             solver=solver,

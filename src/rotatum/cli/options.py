@@ -14,9 +14,13 @@ __all__ = [
     "Joints",
     "Json",
     "Method",
+    "Order",
     "Shrinkage",
+    "Side",
     "Solver",
+    "Stride",
     "Torque",
+    "Window",
 ]
 
 DeviceName = Annotated[
@@ -24,24 +28,53 @@ DeviceName = Annotated[
     typer.Option("--device", "-d", help="Device file (TOML), or a name of `rotatum devices`."),
 ]
 Method = Annotated[
-    str | None, typer.Option(help="weak or residual; else the device file's, else weak.")
+    str | None,
+    typer.Option(help="weak, algebraic or residual; else the device file's, else weak."),
+]
+Side = Annotated[
+    str | None,
+    typer.Option(
+        help="Side of the torque balance: motor, or link, which reads no torque (weak only); else "
+        "the device file's, else motor."
+    ),
 ]
 Torque = Annotated[
     str | None,
     typer.Option(help="estimated (from the motor), sensor, or model (the device's own law)."),
 ]
-Cutoff = Annotated[float | None, typer.Option(help="Bandwidth of the rows, rad/s.")]
+Cutoff = Annotated[
+    float | None, typer.Option(help="Bandwidth of the low-pass rows go through, rad/s; or")
+]
+Window = Annotated[
+    float | None,
+    typer.Option(
+        help="seconds that a row looks back, through a window in place of the low-pass (weak and "
+        "algebraic)."
+    ),
+]
+Order = Annotated[
+    int | None,
+    typer.Option(
+        help="Poles of the low-pass, 2 or 3 (else 2, on the link side 3); power of the window, "
+        "2 to 5 (else 3)."
+    ),
+]
+Stride = Annotated[
+    int | None,
+    typer.Option(help="Samples from one row of a window to the next; else a tenth of it."),
+]
 Fit = Annotated[
     str | None,
     typer.Option(
-        help="Quantities fitted beside the stiffness, with commas: inertia, damping, coulomb, "
-        "skew, transmission_damping, offset; or none."
+        help="Quantities fitted beside the stiffness, with commas; or none. Motor side: inertia, "
+        "damping, coulomb, skew, transmission_damping, offset. Link side: link_damping, "
+        "link_coulomb, gravity_torque (of an arm payload), skew, transmission_damping, offset."
     ),
 ]
 Forgetting = Annotated[
     float | None, typer.Option(help="Weight of a row relative to the next one, 0.998 to 1.")
 ]
-Solver = Annotated[str | None, typer.Option(help="ud or covariance.")]
+Solver = Annotated[str | None, typer.Option(help="ud, covariance or continuous.")]
 Shrinkage = Annotated[
     bool | None,
     typer.Option(

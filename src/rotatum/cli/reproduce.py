@@ -37,7 +37,8 @@ def reproduce(
     """Compute the papers' tables and figures again.
 
     Prints, for each case, the paper's value, ours with the paper's own settings, and ours with
-    method weak, and says what was assumed where the paper is silent.
+    method weak (of menard2013 with algebraic too), and says what was assumed where the paper is
+    silent.
 
     Exit code 0: done; 1: every case asked for still waits for something, which is said.
     """
@@ -84,12 +85,13 @@ def _written(paper: Paper, case: Case, outcome: Outcome, folder: Path) -> Path:
 def _print(paper: Paper, case: Case, outcome: Outcome, page: Path) -> None:
     from rotatum.cli.printing import stdout
     from rotatum.cli.tables import table_of
-    from rotatum.report.case_page import COLUMNS, cells
+    from rotatum.report.case_page import cells, columns
 
     title = f"{paper.key}:{case.name}: {case.title}"
-    table = table_of(*COLUMNS, title=title, numbers=(2, 3, 4))
+    titles = columns(outcome.values)
+    table = table_of(*titles, title=title, numbers=tuple(range(2, len(titles))))
     for value in outcome.values:
-        table.add_row(*cells(value))
+        table.add_row(*cells(value, titles))
     console = stdout()
     console.print(table)
     for sentence in (case.prints, *outcome.findings, *case.assumed):

@@ -18,9 +18,13 @@ from rotatum.cli.options import (
     Forgetting,
     Json,
     Method,
+    Order,
     Shrinkage,
+    Side,
     Solver,
+    Stride,
     Torque,
+    Window,
 )
 
 if TYPE_CHECKING:
@@ -52,9 +56,12 @@ def sweep(
         int, typer.Option(metavar="N", help="Simulations per combination: seed, seed + 1, ...")
     ] = 1,
     method: Method = None,
-    side: Annotated[str | None, typer.Option(help="Side of the torque balance: motor.")] = None,
+    side: Side = None,
     torque: Torque = None,
     cutoff: Cutoff = None,
+    window: Window = None,
+    order: Order = None,
+    stride: Stride = None,
     fit: Fit = None,
     forgetting: Forgetting = None,
     solver: Solver = None,
@@ -100,6 +107,9 @@ def sweep(
         side=side,
         torque=torque,
         cutoff=cutoff,
+        window=window,
+        order=order,
+        stride=stride,
         fit=names(fit),
         forgetting=forgetting,
         solver=solver,

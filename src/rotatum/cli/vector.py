@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 
 from rotatum.errors import MethodError
 from rotatum.estimators.columns import setpoint_scale
-from rotatum.estimators.estimator import Estimator, Group, batch_records
-from rotatum.evaluation.run import log_names, mean_zeros
+from rotatum.estimators.estimator import Estimator
+from rotatum.estimators.readings import Group, batch_records
+from rotatum.evaluation.inputs import log_names, mean_zeros
 from rotatum.logs import Log, LogReader
 from rotatum.models import Device, Joint
 from rotatum.record import Records
 
-__all__ = ["SAMPLES", "group_of", "holds_of", "period_of", "records", "zeros_of"]
+__all__ = ["SAMPLES", "check_side", "group_of", "holds_of", "period_of", "records", "zeros_of"]
 
 SAMPLES = 100_000  # long enough for every window to fill and every verdict to be given
 _GAPS = ((7_000, 3), (9_000, 60))  # first missing sample and how many: bridged, and too long
@@ -69,6 +70,29 @@ def holds_of(device: Device, log: LogReader | None) -> dict[str, Mapping[str, st
     return {j.name: log.holds.get(log_names(log, device)[j.name], {}) for j in device.joints}
 
 
+def check_side(device: Device, side: str | None) -> None:
+    """Refuse the link side of an arm.
+
+    Parameters
+    ----------
+    device : to be exported.
+    side : asked for, or None.
+
+    Raises
+    ------
+    MethodError saying what can be exported instead.
+    """
+    sides = {side or joint.estimator.side for joint in device.joints}
+    if device.robot is not None and "link" in sides:
+        raise MethodError(
+            "the link side of an arm needs the arm's momentum and forces at every sample, which "
+            "a robot model computes: there is no C of it",
+            where=device.source,
+            hint="--side motor can be exported; so can one --joint whose [link] has an inertia, "
+            "as a pendulum of its own.",
+        )
+
+
 def group_of(loop: Estimator) -> Group:
     """Return the joints of an estimator, which must all run the same code.
 
@@ -106,7 +130,7 @@ def records(loop: Estimator, group: Group, log: LogReader | None) -> Records:
     """
     u = batch_records(group, SAMPLES)
     if log is None:
-        made = [_made_up(prepared.joint, loop.period) for prepared in group.prepared]
+        made = [_made_up(p.joint, loop.period, p.settings.side) for p in group.prepared]
         time = made[0]["time"]
     else:
         pieces = list(log)
@@ -138,8 +162,8 @@ def _again(time: Array, period: float) -> Array:
     return np.asarray(time[0] + shifts)
 
 
-def _made_up(joint: Joint, period: float) -> dict[str, Array]:
-    """Return a motion that obeys the motors' balances, with gaps and bad samples in it."""
+def _made_up(joint: Joint, period: float, side: str) -> dict[str, Array]:
+    """Return a motion that obeys the balances of that side, with gaps and bad samples in it."""
     missing = np.concatenate([np.arange(first, first + many) for first, many in _GAPS])
     kept = np.setdiff1d(np.arange(SAMPLES + missing.size), missing)
     t = period * kept
@@ -157,6 +181,8 @@ def _made_up(joint: Joint, period: float) -> dict[str, Array]:
         end = str(i + 1) if joint.actuation == "antagonistic" else ""
         parts = ((0.6 * reach, 0.9 * slow, 0.2), (0.4 * reach, 2.7 * slow, 1.0 + i))
         phi = _sines(t, parts)
+        if side == "link":
+            phi = (_loaded(joint, q, reach) + 0.2 * (-1.0) ** i * phi[0], *phi[1:])
         elastic = _STIFFNESS * phi[0]
         if transmission.law is not None:
             elastic = transmission.torque(phi[0], setpoint)
@@ -167,11 +193,21 @@ def _made_up(joint: Joint, period: float) -> dict[str, Array]:
             tau = tau + motor.reflected_damping.value * dtheta
             tau = tau + motor.reflected_coulomb.value * np.sign(dtheta)
             tau = tau + (inertia.value if inertia is not None else 0.0) * ddtheta
-        tau[_NOT_FINITE] = np.nan
+        (theta if side == "link" else tau)[_NOT_FINITE] = np.nan
         found[f"theta{end}"] = _counted(theta, joint.encoders.resolution("motor"))
         found[f"tau{end}"], found[f"torque_measured{end}"] = tau, elastic
     t[_REPEATED] = t[_REPEATED - 1]
     return found
+
+
+def _loaded(joint: Joint, q: tuple[Array, Array, Array], reach: float) -> Array:
+    """Return the deflection of a linear spring under the link's load, as far as it reaches."""
+    link = joint.link
+    if link is None or link.inertia is None:
+        return np.zeros_like(q[0])
+    load = link.inertia.value * q[2] + link.damping.value * q[1]
+    load = load + link.gravity_torque * np.sin(q[0])
+    return np.asarray(-reach * load / np.abs(load).max())
 
 
 def _sines(t: Array, parts: tuple[tuple[float, float, float], ...]) -> tuple[Array, Array, Array]:

@@ -1,15 +1,24 @@
-"""The main job, and how good its answer is."""
+"""The main job, how good its answer is, and which method suits a log."""
 
+from rotatum.evaluation.compare import compare
+from rotatum.evaluation.comparison import ComparedMethod, Comparison
 from rotatum.evaluation.estimate import Estimate, JointEstimate
 from rotatum.evaluation.metrics import TruthScore, coverage_percent, mse, msrep_percent
+from rotatum.evaluation.recommend import Advice, Recommendation, recommend
 from rotatum.evaluation.run import estimate
 
 __all__ = [
+    "Advice",
+    "ComparedMethod",
+    "Comparison",
     "Estimate",
     "JointEstimate",
+    "Recommendation",
     "TruthScore",
+    "compare",
     "coverage_percent",
     "estimate",
     "mse",
     "msrep_percent",
+    "recommend",
 ]

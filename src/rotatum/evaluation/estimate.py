@@ -43,12 +43,16 @@ class JointEstimate:
         torque_rms: of the fitted elastic torque, N m.
         verdict: at the last sample.
         reason: a sentence saying why.
+        confounded: groups of fitted quantities, "stiffness" among them, that the data do not tell
+            apart; one alone drowns in noise. Their fitted values are NaN.
         converged_at: seconds after the log's first sample since when the verdict was first
             informative for 1 s, or None.
         truth: ``mse``, ``msrep_percent``, ``coverage_percent`` where the log knows it, or None.
         score_from: seconds after the first sample from which samples were scored, or None.
         samples: per status bit name, how many samples had it.
         ns_per_sample: time of the kernels, ns.
+        delay: seconds by which a row's centre lags behind its last sample: what the coefficients
+            know is as old. The stiffness is read out at the deflection of now.
         settings: setting to its value and why.
         powers: terms of the basis, in the order of the columns.
         logged: role to what was logged at the kept samples: ``q``, ``setpoint``,
@@ -71,10 +75,12 @@ class JointEstimate:
     verdict: str
     reason: str
     converged_at: float | None
+    confounded: tuple[tuple[str, ...], ...]
     truth: Mapping[str, float] | None
     score_from: float | None
     samples: Mapping[str, int]
     ns_per_sample: float
+    delay: float
     settings: Mapping[str, str]
     powers: tuple[Power, ...] = ()
     logged: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
@@ -91,9 +97,11 @@ class JointEstimate:
             "verdict": self.verdict,
             "reason": self.reason,
             "converged_at": self.converged_at,
+            "confounded": [list(group) for group in self.confounded],
             "fitted": {k: list(v) for k, v in self.fitted.items()},
             "truth": None if self.truth is None else dict(self.truth),
             "ns_per_sample": self.ns_per_sample,
+            "delay": self.delay,
             **self._transmissions(),
         }
 
@@ -157,7 +165,7 @@ class Estimate:
             "joints": {name: joint.to_json() for name, joint in self.joints.items()},
             "warnings": list(self.warnings),
         }
-        cleaned: dict[str, Any] = _finite(found)
+        cleaned: dict[str, Any] = finite(found)
         return cleaned
 
     def write(self, path: str | Path) -> None:
@@ -195,12 +203,12 @@ class Estimate:
         return f"Estimate({self.source}, {self.method}, {told})"
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
     """JSON has no NaN or infinity: they become null."""
     if isinstance(value, dict):
-        return {k: _finite(v) for k, v in value.items()}
+        return {k: finite(v) for k, v in value.items()}
     if isinstance(value, list):
-        return [_finite(v) for v in value]
+        return [finite(v) for v in value]
     if isinstance(value, float | np.floating):
         return float(value) if np.isfinite(value) else None
     return value

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from rotatum.estimators.tuning import Prepared
 from rotatum.kernels.status import INFORMATIVE, STARVED, TABLE, VERDICTS, WRONG
 from rotatum.record import Records
 
 
-def reason(reading: Records, prepared: Prepared) -> str:
+def reason(reading: Records, prepared: Prepared, confounded: Sequence[tuple[str, ...]] = ()) -> str:
     """Say why the last verdict is what it is.
 
     Args:
         reading: the last ``Reading``.
         prepared: the joint's constants and settings.
+        confounded: names that the data do not tell apart.
     """
     verdict, status = int(reading["verdict"]), int(reading["status"])
     sigma, half = float(reading["stiffness"]), 1.96 * float(reading["stiffness_std"])
@@ -28,11 +29,24 @@ def reason(reading: Records, prepared: Prepared) -> str:
         for bit in TABLE
         if status & bit.bit and (bit.bit & WRONG or verdict == STARVED) and bit.bit >= 1024
     ]
+    if verdict != INFORMATIVE:
+        told = [_apart(group) for group in confounded] + told
     if verdict == STARVED and sigma < 0.0:
         told.insert(0, "the best fit is negative, which no spring is")
     if told:
         return f"{VERDICTS[verdict]}: {interval}{relative}; " + "; ".join(told)
     return f"{VERDICTS[verdict]}: {interval}{relative}, not narrower than 10 % for a second"
+
+
+def _apart(group: tuple[str, ...]) -> str:
+    """Say what the data do not tell."""
+    if len(group) == 1:
+        return f"{group[0]} drowns in the noise of the positions and is not told by these data"
+    names = f"{', '.join(group[:-1])} and {group[-1]}"
+    return (
+        f"this motion does not tell {names} apart (they are confounded): fit fewer of them, or "
+        "move faster or with more frequencies"
+    )
 
 
 def _sentence(name: str, sentence: str, reading: Records, prepared: Prepared) -> str:
@@ -89,7 +103,8 @@ def skew_warning(
 ) -> list[str]:
     """From the motor side a skew of the encoders and viscous friction are one column: say both."""
     motor = prepared.joint.motors[part] if prepared.joint.motors else None
-    if motor is None or prepared.settings.torque != "estimated":
+    settings = prepared.settings
+    if motor is None or settings.torque != "estimated" or settings.side != "motor":
         return []
     gear_ratio = motor.gear_ratio
     if "skew" in fitted:

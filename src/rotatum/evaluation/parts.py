@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -52,13 +52,19 @@ class PartEstimate:
         }
 
 
-def part_estimates(prepared: Prepared, last: Records, summary: Summary) -> tuple[PartEstimate, ...]:
+def part_estimates(
+    prepared: Prepared,
+    last: Records,
+    summary: Summary,
+    unknown: Sequence[Sequence[tuple[str, ...]]],
+) -> tuple[PartEstimate, ...]:
     """Take the last reading apart.
 
     Args:
         prepared: the joint's constants and columns.
         last: its last reading.
         summary: scores against truth.
+        unknown: of each part with rows of its own, names that its data do not tell apart.
     """
     scales = np.array(prepared.scales)
     pair = prepared.joint.actuation == "antagonistic"
@@ -70,6 +76,8 @@ def part_estimates(prepared: Prepared, last: Records, summary: Summary) -> tuple
         std = last["part_stiffness_std"][i] if pair else last["stiffness_std"]
         verdict = last["part_verdict"][i] if pair else last["verdict"]
         values, spread = last["coefficients"][own], last["coefficients_std"][own]
+        groups = unknown[i if prepared.apart else 0]
+        mixed = frozenset(name for group in groups for name in group)
         scored = summary.part_scores[i] if pair else summary.score
         found.append(
             PartEstimate(
@@ -80,7 +88,9 @@ def part_estimates(prepared: Prepared, last: Records, summary: Summary) -> tuple
                 verdict=VERDICTS[int(verdict)],
                 coefficients=values / scales,
                 coefficients_std=spread / scales,
-                fitted=fitted_quantities(prepared, i, values, spread, float(sigma), float(std)),
+                fitted=fitted_quantities(
+                    prepared, i, values, spread, float(sigma), float(std), mixed
+                ),
                 truth=scored.result() if scored.samples else None,
             )
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -11,19 +11,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rotatum.errors import MethodError
-from rotatum.estimators.estimator import Estimator, Group, batch_records
-from rotatum.estimators.settings import Request, settle
-from rotatum.estimators.shapes import roles
+from rotatum.estimators.estimator import Estimator
+from rotatum.estimators.settings import Request
+from rotatum.estimators.tuning import Prepared
+from rotatum.evaluation.confounded import confounded
 from rotatum.evaluation.estimate import Estimate, JointEstimate
 from rotatum.evaluation.explain import reason, sample_warnings, skew_warning, zero_warning
+from rotatum.evaluation.inputs import (
+    check_channels,
+    log_names,
+    mean_zeros,
+    measured_signals,
+    pieces,
+)
 from rotatum.evaluation.parts import final_external, part_estimates
 from rotatum.evaluation.summary import Summary
 from rotatum.evaluation.table import reading_columns
-from rotatum.kernels.status import VERDICTS
+from rotatum.kernels.status import STARVED, VERDICTS
 from rotatum.logs import Log, LogReader, TableWriter
 from rotatum.models import Device
-from rotatum.record import Records
 
 BATCH = 65536  # readings made at once
 EXTRA = (
@@ -47,6 +53,9 @@ def estimate(
     side: str | None = None,
     torque: str | None = None,
     cutoff: float | None = None,
+    window: float | None = None,
+    order: int | None = None,
+    stride: int | None = None,
     fit: Sequence[str] | None = None,
     forgetting: float | None = None,
     solver: str | None = None,
@@ -61,11 +70,15 @@ def estimate(
     Args:
         log: from ``read_log`` or ``open_log`` (constant memory).
         device: from ``load_device``.
-        method: ``"weak"`` or ``"residual"``; ``None``: the device file's, then ``"weak"``.
-        side: ``"motor"``.
+        method: ``"weak"``, ``"algebraic"`` or ``"residual"``; ``None``: the device file's, then
+            ``"weak"``.
+        side: of the torque balance: ``"motor"``, or ``"link"``, which reads no torque.
         torque: ``"estimated"`` from the motor, the ``"sensor"``'s, or that of the device's own
             ``"model"`` (flacco2012 eq. 44).
-        cutoff: rad/s.
+        cutoff: of the low-pass rows go through, rad/s; or
+        window: that they look back, s.
+        order: poles of the low-pass (2, 3), or power of the window (2 to 5).
+        stride: samples from one row of a window to the next.
         fit: columns fitted beside the stiffness.
         forgetting: weight of a row relative to the next one.
         solver: ``"ud"`` or ``"covariance"``.
@@ -84,8 +97,21 @@ def estimate(
     device = device.only(joints)
     names = log_names(log, device)
     columns = None if fit is None else tuple(fit)
-    request = Request(method, side, torque, cutoff, columns, forgetting, solver, shrinkage)
-    _check_channels(log, device, request, names)
+    request = Request(
+        method=method,
+        side=side,
+        torque=torque,
+        cutoff=cutoff,
+        window=window,
+        order=order,
+        stride=stride,
+        fit=columns,
+        forgetting=forgetting,
+        solver=solver,
+        shrinkage=shrinkage,
+    )
+    measured = measured_signals(log, device, names)
+    check_channels(log, device, request, names)
     zeros = mean_zeros(log, device, names)
     holds = {j.name: log.holds.get(names[j.name], {}) for j in device.joints}
     loop = Estimator(
@@ -95,10 +121,14 @@ def estimate(
         side=side,
         torque=torque,
         cutoff=cutoff,
+        window=window,
+        order=order,
+        stride=stride,
         fit=fit,
         forgetting=forgetting,
         solver=solver,
         shrinkage=shrinkage,
+        measured=measured,
         holds=holds,
         zeros=zeros,
     )
@@ -121,15 +151,15 @@ def _run(
     with ExitStack() as stack:
         table = stack.enter_context(TableWriter(output)) if output is not None else None
         batch = max(1, BATCH // len(loop.prepared))
-        for piece in _pieces(log):
+        for piece in pieces(log):
             for first in range(0, piece.samples, batch):
                 part = slice(first, min(first + batch, piece.samples))
                 columns: dict[str, NDArray[Any]] = {"time": piece.time[part]}
-                for group in loop.groups:
-                    u = _fill(group, piece, names, part)
-                    begin = clock.perf_counter()
-                    out = group.bank.run(u)
-                    spent += clock.perf_counter() - begin
+                channels = _channels(piece, loop, names, part)
+                begin = clock.perf_counter()
+                outputs = loop.run(piece.time[part], channels)
+                spent += clock.perf_counter() - begin
+                for group, out in zip(loop.groups, outputs, strict=True):
                     for i, prepared in enumerate(group.prepared):
                         joint = prepared.joint
                         logged = piece.joints[names[joint.name]]
@@ -147,111 +177,12 @@ def _run(
     return spent
 
 
-def _fill(group: Group, piece: Log, names: Mapping[str, str], part: slice) -> Records:
-    u = batch_records(group, part.stop - part.start)
-    u["time"] = piece.time[part, None]
-    for i, prepared in enumerate(group.prepared):
-        logged = piece.joints[names[prepared.joint.name]]
-        for role in group.roles:
-            u[role][:, i] = logged[role][part]
-    return u
-
-
-def _pieces(log: Log | LogReader) -> Iterable[Log]:
-    return (log,) if isinstance(log, Log) else log
-
-
-def _log_roles(log: Log | LogReader) -> dict[str, tuple[str, ...]]:
-    if isinstance(log, Log):
-        return {joint: tuple(roles) for joint, roles in log.joints.items()}
-    return dict(log.roles)
-
-
-def log_names(log: Log | LogReader, device: Device) -> dict[str, str]:
-    """Device joint to log joint: by name, or the only one of each.
-
-    Raises:
-        MethodError: the log lacks a joint of the device.
-    """
-    found = _log_roles(log)
-    if len(device.joints) == 1 and len(found) == 1:
-        return {device.joints[0].name: next(iter(found))}
-    for joint in device.joints:
-        if joint.name not in found:
-            raise MethodError(
-                "the log has no such joint",
-                where=log.source,
-                value=joint.name,
-                allowed=tuple(found),
-            )
-    return {j.name: j.name for j in device.joints}
-
-
-def mean_zeros(
-    log: Log | LogReader, device: Device, names: Mapping[str, str]
-) -> dict[str, list[float]]:
-    """Deflections at rest of joints whose zeros are the mean of the log, rad.
-
-    Args:
-        log: read through once per such transmission.
-        device: whose joints.
-        names: device joint to log joint, from ``log_names``.
-
-    Raises:
-        MethodError: one transmission of a pair takes the mean, the other the log's start.
-    """
-    zeros: dict[str, list[float]] = {}
-    for joint in device.joints:
-        filed = [transmission.zero for transmission in joint.transmissions]
-        if "mean" not in filed:
-            continue
-        if "first" in filed:
-            raise MethodError(
-                'one transmission with zero = "mean" needs the other\'s as well, or a number',
-                where=f"{device.source}, joint {joint.name}",
-                value=filed,
-            )
-        ends = ("1", "2") if joint.actuation == "antagonistic" else ("",)
-        zeros[joint.name] = [
-            float(zero)
-            if not isinstance(zero, str)
-            else _mean_deflection(log, names[joint.name], f"theta{end}")
-            for zero, end in zip(filed, ends, strict=True)
-        ]
-    return zeros
-
-
-def _mean_deflection(log: Log | LogReader, joint: str, theta: str) -> float:
-    total, count = 0.0, 0
-    for piece in _pieces(log):
-        logged = piece.joints[joint]
-        deflection = logged["q"] - logged[theta]
-        good = np.isfinite(deflection)
-        total += float(deflection[good].sum())
-        count += int(good.sum())
-    return total / max(1, count)
-
-
-def _check_channels(
-    log: Log | LogReader, device: Device, request: Request, names: Mapping[str, str]
-) -> None:
-    found = _log_roles(log)
-    for joint in device.joints:
-        settings = settle(joint, device, log.period, request)
-        needed = roles(joint.actuation, settings.torque)
-        has = found[names[joint.name]]
-        missing = [role for role in needed if role not in has]
-        if missing:
-            hint = None
-            if settings.torque == "sensor" and "torque_measured" in has:
-                hint = "The joint's total torque does not tell its two transmissions apart."
-            raise MethodError(
-                f"method {settings.method} with {settings.torque} torque lacks the channel "
-                f"{', '.join(missing)} of joint {joint.name}",
-                where=log.source,
-                allowed=f"needs {', '.join(needed)}; the log has {', '.join(has)}",
-                hint=hint,
-            )
+def _channels(
+    piece: Log, loop: Estimator, names: Mapping[str, str], part: slice
+) -> list[dict[str, NDArray[np.float64]]]:
+    """Samples of every joint of the device, in its order."""
+    logged = [piece.joints[names[prepared.joint.name]] for prepared in loop.prepared]
+    return [{role: values[part] for role, values in own.items()} for own in logged]
 
 
 def _collect(
@@ -278,7 +209,7 @@ def _collect(
         source=log.source,
         device=loop.device,
         method=first.method,
-        side="motor",
+        side=first.side,
         torque=first.torque,
         period=log.period,
         samples=samples,
@@ -289,13 +220,24 @@ def _collect(
     )
 
 
+def _unknown(loop: Estimator, prepared: Prepared, starved: bool) -> list[list[tuple[str, ...]]]:
+    """Of each part, the names that its data do not tell apart."""
+    place = next(i for i, own in enumerate(loop.prepared) if own is prepared)
+    return [
+        confounded(prepared, part, state, starved)
+        for part, state in zip(prepared.parts, loop.part_states(place), strict=True)
+    ]
+
+
 def _joint(summary: Summary, loop: Estimator, name: str, nanoseconds: float) -> JointEstimate:
     prepared = next(p for p in loop.prepared if p.joint.name == name)
     last = summary.last
     assert last is not None  # a log has at least one piece of at least one sample
     kept = {k: np.concatenate(v) for k, v in summary.truth_kept.items()}
     converged = float(last["converged_at"]) - (summary.first_time or 0.0)
-    parts = part_estimates(prepared, last, summary)
+    unknown = _unknown(loop, prepared, int(last["verdict"]) == STARVED)
+    together = tuple(dict.fromkeys(group for own in unknown for group in own))
+    parts = part_estimates(prepared, last, summary, unknown)
     return JointEstimate(
         name=name,
         records=np.concatenate(summary.kept),
@@ -304,18 +246,22 @@ def _joint(summary: Summary, loop: Estimator, name: str, nanoseconds: float) -> 
         coefficients=np.concatenate([p.coefficients for p in parts]),
         coefficients_std=np.concatenate([p.coefficients_std for p in parts]),
         parts=parts,
-        fitted={f"{k}{p.end}": v for p in parts for k, v in p.fitted.items()},
+        fitted={
+            f"{k}{p.end if prepared.apart else ''}": v for p in parts for k, v in p.fitted.items()
+        },
         stiffness=summary.stiffness(),
         stiffness_std=float(last["stiffness_std"]),
         external_stiffness=final_external(prepared, last, kept["q"]),
         torque_rms=summary.torque_rms(),
         verdict=VERDICTS[int(last["verdict"])],
-        reason=reason(last, prepared),
+        reason=reason(last, prepared, together),
+        confounded=together,
         converged_at=converged if last["converged"] else None,
         truth=summary.score.result() if summary.has_truth and summary.scored.count else None,
         score_from=summary.score_from,
         samples=summary.status,
         ns_per_sample=nanoseconds,
+        delay=prepared.delay,
         settings=prepared.notes,
         powers=prepared.powers,
         logged={k: v for k, v in kept.items() if not k.endswith("_true")},

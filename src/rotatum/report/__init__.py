@@ -1,6 +1,8 @@
-"""Reports for people: one self-contained HTML page, and its figures."""
+"""Reports for people: self-contained HTML pages, and their figures."""
 
+from rotatum.report.comparison_page import write_comparison
+from rotatum.report.comparison_panel import plot_comparison
 from rotatum.report.figure import plot
 from rotatum.report.page import write_report
 
-__all__ = ["plot", "write_report"]
+__all__ = ["plot", "plot_comparison", "write_comparison", "write_report"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -10,16 +11,22 @@ import numpy as np
 
 from rotatum.evaluation.papers.case import Case, Curve, Figure, Map, Outcome, Plot, Value
 from rotatum.logs import beside
-from rotatum.report.assets import SCRIPT, STYLE, templates
+from rotatum.report.document import document, safe
 from rotatum.report.figure import figure_of
 from rotatum.report.html import escape, table, tag
-from rotatum.report.palette import DATA, ESTIMATE, MEASURED, THRESHOLD, TRUTH
+from rotatum.report.palette import DATA, ESTIMATE, MEASURED, METHODS, THRESHOLD, TRUTH
 from rotatum.report.panel import Panel, Row, Trace, line
 from rotatum.report.words import number
 
-__all__ = ["COLUMNS", "case_page", "cells", "write_case_page"]
+__all__ = ["case_page", "cells", "columns", "write_case_page"]
 
-COLUMNS = ("", "unit", "paper", "ours, the paper's settings", "ours, weak")
+_NUMBERS = {
+    "paper": attrgetter("paper"),
+    "ours, the paper's settings": attrgetter("own"),
+    "ours, algebraic": attrgetter("algebraic"),
+    "ours, weak": attrgetter("weak"),
+}
+_SELDOM = ("ours, algebraic",)
 
 # The same name has the same colour on every page; others take what is left, in their order.
 _COLOURS = {
@@ -29,6 +36,9 @@ _COLOURS = {
     "RESIDUAL": "#009E73",
     "MKKF": "#009E73",
     "RLS on the residual": "#009E73",
+    "Flacco et al.": "#009E73",
+    "algebraic": METHODS["algebraic, motor side"],
+    "as printed": MEASURED,
     "SENSOR": MEASURED,
     "sensor": MEASURED,
     "MODEL": THRESHOLD,
@@ -76,32 +86,40 @@ def case_page(paper: str, case: Case, outcome: Outcome) -> str:
     case : what was run.
     outcome : what came of it.
     """
-    head = (
-        '<meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        '<meta name="color-scheme" content="light dark">'
-        '<link rel="icon" href="data:,">'
-        f"<title>{escape(case.name)}: {escape(paper)}</title><style>{STYLE}</style>"
-    )
     told = tag("h1", escape(f"{case.name}: {case.title}")) + tag("p", escape(paper))
     told += tag("p", escape(case.prints))
-    told += table(COLUMNS, [cells(value) for value in outcome.values], "results")
+    titles = columns(outcome.values)
+    told += table(titles, [cells(value, titles) for value in outcome.values], "results")
     told += _listed("What came out", outcome.findings) + _listed("What was assumed", case.assumed)
     cards = "".join(_card(figure) for figure in outcome.figures)
     body = tag("header", told) + tag("main", tag("section", tag("div", cards, {"class": "cards"})))
-    if outcome.figures:
-        body += _drawing()
-    return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head><body>{body}</body></html>\n'
+    return document(f"{case.name}: {paper}", body, drawn=bool(outcome.figures))
 
 
-def cells(value: Value) -> list[str]:
-    """Return a line of a case's table as texts, in the order of ``COLUMNS``.
+def columns(values: Sequence[Value]) -> tuple[str, ...]:
+    """Return the titles of a case's table: what a line is, its unit, its numbers.
+
+    Parameters
+    ----------
+    values : its lines; a method that no line has a number of has no column.
+    """
+    found = [
+        title
+        for title, read in _NUMBERS.items()
+        if title not in _SELDOM or any(read(value) is not None for value in values)
+    ]
+    return ("", "unit", *found)
+
+
+def cells(value: Value, titles: Sequence[str]) -> list[str]:
+    """Return a line of a case's table as texts.
 
     Parameters
     ----------
     value : the line.
+    titles : from ``columns``.
     """
-    numbers = (value.paper, value.own, value.weak)
+    numbers = (_NUMBERS[title](value) for title in titles[2:])
     return [value.label, value.unit, *(number(x, 4) if x is not None else "" for x in numbers)]
 
 
@@ -112,21 +130,11 @@ def _listed(title: str, sentences: Sequence[str]) -> str:
     return tag("h2", escape(title)) + tag("ul", items)
 
 
-def _drawing() -> str:
-    from plotly.offline import get_plotlyjs
-
-    return (
-        f"<script>{get_plotlyjs()}</script>"
-        f'<script type="application/json" id="templates">{_safe(templates())}</script>'
-        f"<script>{SCRIPT}</script>"
-    )
-
-
 def _card(figure: Figure) -> str:
     drawn = figure_of([_panel(figure)])
     place = f"plot-{figure.key}"
     height = {"class": "plot", "id": place, "style": f"height:{drawn.layout.height}px"}
-    data = _safe(drawn.to_json(remove_uids=True))
+    data = safe(drawn.to_json(remove_uids=True))
     content = (
         tag("h3", escape(figure.title))
         + tag("div", "", height)
@@ -192,8 +200,3 @@ def _heat(shown: Map) -> Trace:
         "showlegend": False,
         "hovertemplate": f"%{{x}}, %{{y}}: {shown.name} %{{z}}<extra></extra>",
     }
-
-
-def _safe(json: str) -> str:
-    """JSON that cannot end the script element it stands in."""
-    return json.replace("<", "\\u003c")

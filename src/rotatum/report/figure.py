@@ -139,7 +139,9 @@ def _layout(shown: Sequence[Panel]) -> dict[str, Any]:
             number += 1
             bottom = top - row.height
             last = row is panel.rows[-1]
-            x = {**(panel.x if last else {}), "anchor": f"y{number}", "showticklabels": last}
+            # Rows above the last have no labels, but the same scale.
+            shared = panel.x if last else {k: v for k, v in panel.x.items() if k == "type"}
+            x = {**shared, "anchor": f"y{number}", "showticklabels": last}
             leader = leaders.setdefault(panel.x["title"]["text"], f"x{number}")
             if leader != f"x{number}":
                 x["matches"] = leader

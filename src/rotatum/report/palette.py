@@ -9,6 +9,7 @@ __all__ = [
     "DATA",
     "ESTIMATE",
     "MEASURED",
+    "METHODS",
     "PARTS",
     "PART_BANDS",
     "SLICES",
@@ -27,6 +28,17 @@ TRUTH = "#D55E00"
 MEASURED = "#E69F00"
 DATA = "#7A8794"
 THRESHOLD = "#CC79A7"
+
+# A comparison's methods; those of the same kind on both sides are near one another.
+METHODS: dict[str, str] = {
+    "weak, motor side": "#0072B2",
+    "weak, window, motor side": "#56B4E9",
+    "algebraic, motor side": "#CC79A7",
+    "residual, motor side": "#7A8794",
+    "weak, torque sensor, motor side": "#E69F00",
+    "weak, link side": "#009E73",
+    "weak, window, link side": "#8FB339",
+}
 
 # The two transmissions of an antagonistic joint, agonist first.
 PARTS = ("#009E73", "#CC79A7")

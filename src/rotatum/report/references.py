@@ -89,7 +89,7 @@ _ALL = (
         "T. Ménard, G. Grioli, A. Bicchi",
         "A real time robust observer for an agonist-antagonist variable stiffness actuator",
         "IEEE International Conference on Robotics and Automation, 2013",
-        "operational calculus on the motor side",
+        "the method algebraic; operational calculus on the motor side",
     ),
     Reference(
         "messenger2021",

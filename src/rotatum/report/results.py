@@ -10,7 +10,16 @@ from rotatum.evaluation import Estimate, JointEstimate
 from rotatum.evaluation.parts import PartEstimate
 from rotatum.report.words import fitted_unit, measure, number
 
-__all__ = ["FITTED", "TITLES", "Line", "answer", "cells", "fitted_lines", "lines"]
+__all__ = [
+    "FITTED",
+    "TITLES",
+    "Line",
+    "answer",
+    "cells",
+    "fitted_lines",
+    "lines",
+    "stiffness_text",
+]
 
 
 class Line(NamedTuple):
@@ -139,7 +148,7 @@ def _joint(found: JointEstimate, unit: str) -> Line:
         outside = None
     return Line(
         name=found.name,
-        stiffness=_stiffness(sigma, std, unit),
+        stiffness=stiffness_text(sigma, std, f"{unit}/rad"),
         relative=_relative(sigma, std),
         external="" if outside is None else f"{number(outside)} {unit}/rad",
         verdict=found.verdict,
@@ -158,7 +167,7 @@ def _joint(found: JointEstimate, unit: str) -> Line:
 def _part(part: PartEstimate, unit: str) -> Line:
     return Line(
         name=f"  transmission {part.end}",
-        stiffness=_stiffness(part.stiffness, part.stiffness_std, unit),
+        stiffness=stiffness_text(part.stiffness, part.stiffness_std, f"{unit}/rad"),
         relative=_relative(part.stiffness, part.stiffness_std),
         verdict=part.verdict,
         mse=_score(part.truth, "mse"),
@@ -167,8 +176,15 @@ def _part(part: PartEstimate, unit: str) -> Line:
     )
 
 
-def _stiffness(sigma: float, std: float, unit: str) -> str:
-    return measure(sigma, std, f"{unit}/rad") if _learned(sigma, std) else "-"
+def stiffness_text(sigma: float, std: float, unit: str) -> str:
+    """Write a stiffness with its interval; a dash where nothing was learned.
+
+    Parameters
+    ----------
+    sigma, std : the stiffness and its standard deviation.
+    unit : of it, written behind.
+    """
+    return measure(sigma, std, unit) if _learned(sigma, std) else "-"
 
 
 def _relative(sigma: float, std: float) -> str:

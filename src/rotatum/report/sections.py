@@ -10,7 +10,7 @@ from rotatum.report.references import reference
 from rotatum.report.results import FITTED, TITLES, answer, cells, fitted_lines, lines
 from rotatum.report.view import View
 
-__all__ = ["footer", "header", "joint_facts", "joint_head"]
+__all__ = ["footer", "header", "joint_facts", "joint_head", "verdict_meanings"]
 
 
 def header(estimate: Estimate) -> str:
@@ -105,15 +105,25 @@ def footer(estimate: Estimate) -> str:
     ----------
     estimate : what they are about.
     """
-    meanings = "".join(
-        tag("li", badge(name) + " " + escape(VERDICT_MEANINGS[name])) for name in VERDICTS
-    )
     cited = [reference(key) for key in estimate.cites]
     papers = "".join(
         tag("li", escape(entry.text()) + tag("em", escape(f" ({entry.why})") if entry.why else ""))
         for entry in cited
     )
     content = (
+        verdict_meanings()
+        + tag("h2", "Papers behind the methods used")
+        + tag("ul", papers, {"class": "papers"})
+    )
+    return tag("footer", content)
+
+
+def verdict_meanings() -> str:
+    """Return how to read a verdict."""
+    meanings = "".join(
+        tag("li", badge(name) + " " + escape(VERDICT_MEANINGS[name])) for name in VERDICTS
+    )
+    return (
         tag("h2", "How to read the verdict")
         + tag("ul", meanings, {"class": "answers"})
         + tag(
@@ -123,10 +133,7 @@ def footer(estimate: Estimate) -> str:
             "inconsistent.",
             {"class": "note"},
         )
-        + tag("h2", "Papers behind the methods used")
-        + tag("ul", papers, {"class": "papers"})
     )
-    return tag("footer", content)
 
 
 def _links(estimate: Estimate) -> str:

@@ -26,6 +26,7 @@ class Value(NamedTuple):
         paper: as the paper prints it.
         own: ours with the paper's settings.
         weak: ours with method ``weak``; with defaults unless the label says otherwise.
+        algebraic: ours with method ``algebraic``, likewise.
     """
 
     label: str
@@ -33,10 +34,16 @@ class Value(NamedTuple):
     paper: float | None = None
     own: float | None = None
     weak: float | None = None
+    algebraic: float | None = None
 
     def to_json(self) -> dict[str, Any]:
         """The line's object in ``--json``; JSON has no infinity, which becomes null."""
-        numbers = {"paper": self.paper, "paper_settings": self.own, "weak": self.weak}
+        numbers = {
+            "paper": self.paper,
+            "paper_settings": self.own,
+            "algebraic": self.algebraic,
+            "weak": self.weak,
+        }
         told = {k: x if x is not None and isfinite(x) else None for k, x in numbers.items()}
         return {"label": self.label, "unit": self.unit, **told}
 

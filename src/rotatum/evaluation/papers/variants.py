@@ -23,6 +23,7 @@ def with_basis(
     device: Device,
     *,
     orders: int | None = None,
+    full: bool | None = None,
     setpoint_range: tuple[float, float] | None = None,
     deflection_range: float | None = None,
 ) -> Device:
@@ -31,12 +32,14 @@ def with_basis(
     Args:
         device: of one joint.
         orders: how many odd powers.
+        full: whether all powers from 0 on instead.
         setpoint_range: lowest and highest set-point.
         deflection_range: half range of the deflection, rad.
     """
     (joint,) = device.joints
     asked = {
         "orders": orders,
+        "full": full,
         "setpoint_range": setpoint_range,
         "deflection_range": deflection_range,
     }

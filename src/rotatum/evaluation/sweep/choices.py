@@ -16,6 +16,9 @@ class Choices:
     side: str | None = None
     torque: str | None = None
     cutoff: float | None = None
+    window: float | None = None
+    order: int | None = None
+    stride: int | None = None
     fit: tuple[str, ...] | None = None
     forgetting: float | None = None
     solver: str | None = None
@@ -35,6 +38,9 @@ class Choices:
             side=chosen["side"],
             torque=chosen["torque"],
             cutoff=chosen["cutoff"],
+            window=chosen["window"],
+            order=chosen["order"],
+            stride=chosen["stride"],
             fit=None if fit is None else tuple(fit),
             forgetting=chosen["forgetting"],
             solver=chosen["solver"],

@@ -44,12 +44,14 @@ class PaperSettings(NamedTuple):
         c: of eq. 41.
         torque: N m in the paper's unit of torque.
         setpoint: m in the paper's unit of the lever arm.
+        gain: K_I of the residual, rad/s.
     """
 
     spread: float
     c: float
     torque: float = 1.0
     setpoint: float = 1.0
+    gain: float = GAIN
 
 
 VSA2 = PaperSettings(spread=1e6, c=1e-5, torque=1e-3)
@@ -85,7 +87,7 @@ def as_printed(
     asked = Request(
         method="residual",
         torque=torque,
-        cutoff=GAIN,
+        cutoff=settings.gain,
         fit=(),
         forgetting=1.0,
         solver="covariance",

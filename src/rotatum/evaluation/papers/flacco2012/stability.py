@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rotatum.estimators.shapes import rows_stage
+from rotatum.estimators.rowstages import rows_stage
 from rotatum.evaluation.papers.case import Case, Curve, Figure, Outcome, Plot, Progress, Value
 from rotatum.evaluation.papers.flacco2012 import awas
 from rotatum.evaluation.papers.flacco2012.modality import SCORED_FROM, channels, score
