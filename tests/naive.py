@@ -32,6 +32,31 @@ def hat_average(polynomial: np.polynomial.Polynomial, t: float, period: float) -
     return float(area / period)
 
 
+def weak_terms(
+    columns: Array,
+    theta: Array,
+    tau: Array,
+    *,
+    period: float,
+    inertia: float,
+    damping: float = 0.0,
+    held: bool = False,
+) -> tuple[Array, Array]:
+    """The motor's balance tested with hats, from the third sample on: ``y (N-2,)``, ``R (N-2, p)``.
+
+    ``columns`` is ``(N, p)``: what is tested with the hat as it stands.
+    """
+    T = period
+
+    def hat(x: Array) -> Array:
+        return (x[2:] + 10.0 * x[1:-1] + x[:-2]) / 12.0
+
+    torque = 0.5 * (tau[1:-1] + tau[:-2]) if held else hat(tau)
+    y = inertia * (theta[2:] - 2.0 * theta[1:-1] + theta[:-2]) / T**2
+    y = y + damping * (theta[2:] - theta[:-2]) / (2.0 * T) - torque
+    return y, np.stack([hat(c) for c in columns.T], axis=1)
+
+
 def weak_rows(
     columns: Array,
     theta: Array,
@@ -43,23 +68,43 @@ def weak_rows(
     damping: float = 0.0,
     held: bool = False,
 ) -> tuple[Array, Array]:
-    """Rows of the weak form from the third sample on: ``y (N-2,)`` and ``R (N-2, p)``.
+    """``weak_terms`` through two poles."""
+    y, R = weak_terms(
+        columns, theta, tau, period=period, inertia=inertia, damping=damping, held=held
+    )
+    pole = math.exp(-cutoff * period)
+    return poles(pole, y, 2), np.stack([poles(pole, c, 2) for c in R.T], axis=1)
 
-    ``columns`` is ``(N, p)``: what is tested with the hat as it stands.
+
+def poles(pole: float, x: Array, order: int) -> Array:
+    """``order`` equal poles one after the other, each started at the first sample."""
+    for _ in range(order):
+        x = lowpass(pole, x, x[0])
+    return x
+
+
+def bump(power: int, length: int, derivative: int = 0) -> Array:
+    """``(u (1 - u))^power`` at ``length`` inner points of [0, 1], oldest first, one by one.
+
+    With ``derivative`` the central difference of these values, 0 beyond both ends, in u.
     """
-    pole, T = math.exp(-cutoff * period), period
+    h = 1.0 / (length + 1)
+    found = [(h * m * (1.0 - h * m)) ** power for m in range(length + 2)]
+    found[0] = found[-1] = 0.0
+    inner = range(1, length + 1)
+    if derivative:
+        return np.array([(found[m + 1] - found[m - 1]) / (2.0 * h) for m in inner])
+    return np.array([found[m] for m in inner])
 
-    def hat(x: Array) -> Array:
-        return (x[2:] + 10.0 * x[1:-1] + x[:-2]) / 12.0
 
-    def twice(x: Array) -> Array:
-        return lowpass(pole, lowpass(pole, x, x[0]), x[0])
+def windowed(weights: Array, x: Array, stride: int, phase: int = 0) -> dict[int, float]:
+    """Weighted sums over the last samples, ``weights`` newest first, by the sample they end at.
 
-    torque = 0.5 * (tau[1:-1] + tau[:-2]) if held else hat(tau)
-    raw = inertia * (theta[2:] - 2.0 * theta[1:-1] + theta[:-2]) / T**2
-    raw = raw + damping * (theta[2:] - theta[:-2]) / (2.0 * T) - torque
-    regressors = np.stack([twice(hat(c)) for c in columns.T], axis=1)
-    return twice(raw), regressors
+    The first where the window is full and ``phase`` later, then every ``stride``.
+    """
+    n = len(weights)
+    ends = range(n - 1 + phase, len(x), stride)
+    return {k: float(sum(weights[m] * x[k - m] for m in range(n))) for k in ends}
 
 
 def residual(

@@ -172,7 +172,7 @@ def test_missing_device_suggests(scene: Scene) -> None:
     ("options", "words"),
     [
         (("--method", "weka"), ("unknown method", "weak")),
-        (("--side", "link"), ("unknown side", "motor")),
+        (("--side", "links"), ("unknown side", "link")),
         (("--torque", "sensr"), ("unknown torque", "sensor")),
         (("--solver", "du"), ("unknown solver", "ud")),
         (("--fit", "inertai"), ("inertai", "inertia")),

@@ -61,3 +61,26 @@ def test_joints_of_different_kinds_are_told_apart(scene: Scene) -> None:
     assert done.code == 2
     assert "elbow, wrist" in done.err
     assert run(*options, "--joint", "elbow").code == 0
+
+
+def test_the_link_side_of_one_joint_is_exported(scene: Scene, c_compiler: str) -> None:
+    out = scene.folder / "out"
+    options = ("export", "c", "-d", scene.device, "--period", 1e-3, "-o", out)
+    done = run(*options, "--side", "link")
+    assert done.code == 0, done.err
+    made = subprocess.run(
+        ["make", "-C", str(out), "test", f"CC={c_compiler}"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert made.returncode == 0, made.stdout + made.stderr
+    assert "equal" in made.stdout
+
+
+def test_the_link_side_of_an_arm_is_not(scene: Scene) -> None:
+    options = ("export", "c", "--side", "link", "--period", 1e-3, "-o", scene.folder / "out")
+    done = run(*options, "-d", "planar-vsa-ii")
+    assert done.code == 2
+    assert "robot model" in done.err
+    assert "--side motor" in done.err

@@ -39,6 +39,28 @@ def test_bench_with_inertia_fitted(project: Path, shared_data: Find, fit: tuple[
     assert joint.verdict == "informative"
 
 
+@pytest.mark.parametrize("fit", [("offset",), ("link_damping", "offset")])
+def test_bench_from_the_load_alone(project: Path, shared_data: Find, fit: tuple[str, ...]) -> None:
+    """No current is read: the load's own motion and its inertia give the stiffness."""
+    joint = one(run(project, shared_data(BENCH), "utokyo-two-inertia", side="link", fit=fit))
+    assert 540.0 <= joint.stiffness["final"] <= 552.0
+    # All of the torque is made of the load's inertia, which is known to 1 %.
+    assert joint.stiffness_std >= 0.01 * joint.stiffness["final"]
+    assert joint.verdict == "informative"
+
+
+def test_both_sides_of_the_bench_agree_within_their_intervals(
+    project: Path, shared_data: Find
+) -> None:
+    path = shared_data(BENCH)
+    motor = one(run(project, path, "utokyo-two-inertia", fit=("inertia", "damping", "offset")))
+    load = one(
+        run(project, path, "utokyo-two-inertia", side="link", fit=("link_damping", "offset"))
+    )
+    apart = abs(motor.stiffness["final"] - load.stiffness["final"])
+    assert apart <= 1.96 * (motor.stiffness_std**2 + load.stiffness_std**2) ** 0.5
+
+
 @pytest.mark.parametrize("fit", [(), ("offset",)])
 def test_bench_residual_is_biased_and_says_so(
     project: Path, shared_data: Find, fit: tuple[str, ...]

@@ -15,6 +15,7 @@ import pytest
 import rotatum as rt
 from rotatum.errors import MethodError
 from rotatum.evaluation import JointEstimate, msrep_percent
+from rotatum.evaluation.noise import measure
 from rotatum.evaluation.papers.flacco2012 import vsa2
 from rotatum.evaluation.papers.variants import with_counts
 from rotatum.kernels.status import GAP, NOT_FINITE
@@ -237,7 +238,9 @@ def test_one_device_may_have_joints_of_every_actuation() -> None:
         holds={n: log.holds[n] for n, log in logs.items()},
     )
     batch = rt.estimate(together, mixed)
-    loop = rt.Estimator(mixed, period=1e-3, holds=together.holds)
+    # A loop cannot measure its signals beforehand: it is told what the log's are like.
+    measured = measure(together.joints, mixed, 1e-3)
+    loop = rt.Estimator(mixed, period=1e-3, holds=together.holds, measured=measured)
     assert len(loop.groups) == 3
     found = looped(loop, together, 1500)
     for i, (name, device) in enumerate(alone.items()):

@@ -7,7 +7,7 @@ import pytest
 
 from rotatum.estimators import Estimator
 from rotatum.estimators.columns import first_shrunk
-from rotatum.estimators.estimator import batch_records
+from rotatum.estimators.readings import batch_records
 from rotatum.evaluation import msrep_percent
 from rotatum.logs import Log
 from rotatum.models import Device, load_device
@@ -67,7 +67,7 @@ def test_the_default_is_near_the_best_fixed_order(name: str) -> None:
     default = np.median([score(device, log) for log in logs])
     fixed = {
         prepared.columns[top - 1]: np.median([score(device, log, top) for log in logs])
-        for top in range(first_shrunk(joint, fitted), columns + 1)
+        for top in range(first_shrunk(prepared.powers, fitted), columns + 1)
     }
     assert len(fixed) >= 4
     # What is promised of every device in the catalogue, on its median.

@@ -137,6 +137,36 @@ def test_noise_in_a_column_is_bounded_by_what_it_does():
     assert (told["stiffness_std"] < 2.0 * TRUTH[-1] * v).all()
 
 
+def test_noise_that_a_column_shares_with_the_left_side_moves_the_estimate_further():
+    # y has five times as much of the column's noise as its coefficient would give, as a motor's
+    # inertia puts into it: least squares is off by v alpha - c, here to the other side.
+    v, n, joints = 0.02, 4096, 40
+    c = 5.0 * v * TRUTH[-1]
+    rng, R = rows(70, n, joints)
+    e = math.sqrt(v) * rng.standard_normal((n, joints))
+    y = R @ TRUTH + c / v * e + 0.01 * rng.standard_normal((n, joints))
+    R[:, :, 1] += e
+    told = RowBank(joints, noise=[0.0, v], shared=[0.0, c]).run(R, y)[-1]
+    silent = RowBank(joints, noise=[0.0, v]).run(R, y)[-1]
+    off = told["stiffness"] - TRUTH[-1]
+    # Residuals of 28 over 64 in each of 40: 0.07.
+    assert off.mean() == pytest.approx((c - v * TRUTH[-1]) / (1.0 + v), rel=0.05)
+    assert (off < 1.96 * told["stiffness_std"]).all()
+    assert (told["stiffness_std"] < 2.0 * off).all()
+    assert (off > 1.96 * silent["stiffness_std"]).all()  # without it the bound is too low
+
+
+def test_a_scale_of_the_left_side_that_is_not_sure_widens_the_interval():
+    rng, R = rows(71, 2048)
+    y = R @ TRUTH + 0.01 * rng.standard_normal((2048, 1))
+    sure, unsure = RowBank().run(R, y)[-1, 0], RowBank(scale2=0.03**2).run(R, y)[-1, 0]
+    # A left side 3 % too large makes every coefficient 3 % too large.
+    expected = sure["stiffness_std"] ** 2 + (0.03 * sure["stiffness"]) ** 2
+    assert unsure["stiffness_std"] ** 2 == pytest.approx(expected, rel=1e-12)
+    expected = sure["torque_std"] ** 2 + (0.03 * sure["torque"]) ** 2
+    assert unsure["torque_std"] ** 2 == pytest.approx(expected, rel=1e-9)
+
+
 def test_a_fitted_quantity_drowned_in_noise_says_so():
     # Noise of twice the column's own variance leaves a third of the coefficient.
     v, n, joints = 2.0, 4096, 20

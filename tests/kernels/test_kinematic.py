@@ -9,7 +9,7 @@ import pytest
 from filterpy.kalman import KalmanFilter
 from scipy.linalg import solve_discrete_are
 
-from rotatum.estimators.gains import noise_gain, steady_gains, velocity_std
+from rotatum.estimators.gains import steady_gains, velocity_std
 from rotatum.kernels import kinematic
 from tests import naive
 from tests.kernels.make import plain, record
@@ -99,18 +99,6 @@ def test_velocity_std_of_real_quantisation_is_below_a_count_per_sample():
     expected = math.sqrt(R * T * w**3 / (2.0 * math.sqrt(2.0)))
     # The discrete filter departs from the continuous one by about w T = 1 %.
     assert velocity_std(w, T, resolution) == pytest.approx(expected, rel=0.02)
-
-
-@pytest.mark.parametrize("order", [0, 1, 2])
-@pytest.mark.parametrize("cutoff", [10.0, 300.0, 3000.0])
-def test_noise_gain_is_that_of_the_impulse_response(order, cutoff):
-    a = math.exp(-cutoff * T)
-    taps = ([1.0], [0.5 / T, 0.0, -0.5 / T], [1.0 / T**2, -2.0 / T**2, 1.0 / T**2])[order]
-    impulse = np.zeros(round(60.0 / (cutoff * T)) + 10)
-    impulse[: len(taps)] = taps
-    h = naive.lowpass(a, naive.lowpass(a, impulse, 0.0), 0.0)
-    # Cut off where 1e-12 of the peak is left in power, 60 time constants here.
-    assert noise_gain(a, order, T) == pytest.approx((h * h).sum(), rel=1e-6)
 
 
 SETTINGS = {

@@ -100,14 +100,14 @@ def test_quantities_that_do_not_add_up():
 # --- standard deviation and verdict of the total --------------------------------------------------
 
 
-def told(first, second, *, correlation=0.0, stiffness=40.0):
-    """What is said of the total."""
+def told(first, second, *, correlation=0.0, stiffness=40.0, link2=0.0, motor2=0.0):
+    """What is said of the total; its parts' stiffnesses change by 7 and -3 N m/rad^2."""
     thresholds = {"starved": 0.5, "informative": 0.1, "hold": 1.0, "shrink": 0.01}
     params, state = (
-        SimpleNamespace(period=0.25, **thresholds),
+        SimpleNamespace(period=0.25, link2=link2, motor2=motor2, **thresholds),
         SimpleNamespace(narrow=0, good=0, since=0.0, converged=0, converged_at=0.0),
     )
-    out = SimpleNamespace(stiffness=stiffness)
+    out = SimpleNamespace(stiffness=stiffness, part_dstiffness=[7.0, -3.0])
     pair.tell(params, state, SimpleNamespace(correlation=correlation), first, second, 1.0, 1, out)
     return out
 
@@ -119,6 +119,18 @@ def test_noise_adds_with_its_correlation_and_systematic_errors_straight(r):
     assert out.stiffness_std == pytest.approx(math.sqrt(noise + (0.5 + 1.5) ** 2))
     # Parts of 1 and 3; the sign of what their torques share depends on the deflections'.
     assert out.torque_std == pytest.approx(math.sqrt(1.0 + 9.0 + 2.0 * abs(r) * 3.0))
+
+
+def test_the_link_is_read_by_both_laws_and_each_motor_by_one():
+    """Against sampling: where q is off both deflections are, where a motor is only one is."""
+    link, motor = 0.3, 0.2
+    out = told(*readings(), link2=link**2, motor2=motor**2)
+    bare = told(*readings())
+    rng = np.random.default_rng(106)
+    q, first, second = rng.standard_normal((3, 200_000)) * [[link], [motor], [motor]]
+    read = (7.0 * (q - first) - 3.0 * (q - second)).var()
+    # A variance from 200,000 samples is known to 0.3 %.
+    assert out.stiffness_std**2 - bare.stiffness_std**2 == pytest.approx(read, rel=0.01)
 
 
 def test_a_total_may_be_sure_where_its_parts_are_not():

@@ -207,39 +207,19 @@ def test_every_bit_has_one_name_and_one_place():
 
 @pytest.mark.parametrize(("rows", "variance"), [(0.0, 1.0), (50.0, 0.04)])
 def test_before_it_is_judged_a_deviation_is_that_of_the_residuals_so_far(rows, variance):
-    state = SimpleNamespace(
-        evaluated=0,
-        rows=rows,
-        squares=2.0,
-        inflation=1.0,
-        variance=0.0,
-        noise=0.0,
-        deflection=0.0,
-        relative2=0.0,
-        shift=0.0,
-        **{STDS: [0.0]},
-    )
-    out = SimpleNamespace(stiffness=50.0, torque=4.0, coefficients_std=[0.0])
-    memory = SimpleNamespace()
-    readout.deviations(memory, state, 1e8, 0.0, 4.0, 0.0, out)
+    state = judged(evaluated=0, rows=rows, squares=2.0, variance=0.0, noise=0.0)
+    out = SimpleNamespace(stiffness=50.0, torque=4.0, dstiffness=7.0, coefficients_std=[0.0])
+    readout.deviations(positions(), SimpleNamespace(), state, 1e8, 0.0, 4.0, 0.0, out)
     assert out.stiffness_std == pytest.approx(math.sqrt(variance * 1e8))
     assert out.torque_std == pytest.approx(math.sqrt(variance * 4.0))
 
 
 def test_deviations_are_those_of_the_read_out():
-    state = SimpleNamespace(
-        evaluated=1,
-        inflation=2.0,
-        variance=0.25,
-        noise=0.5,
-        deflection=0.1,
-        relative2=0.2**2,  # 0.02 rad of 0.1 rad
-        shift=3.0,
-        **{STDS: [0.3]},
-    )
-    out = SimpleNamespace(stiffness=50.0, torque=4.0, coefficients_std=[0.0])
+    # A systematic error of 0.02 rad in 0.1 rad of deflection.
+    state = judged(inflation=2.0, variance=0.25, noise=0.5, relative2=0.2**2, shift=3.0)
+    out = SimpleNamespace(stiffness=50.0, torque=4.0, dstiffness=7.0, coefficients_std=[0.0])
     memory = SimpleNamespace()
-    readout.deviations(memory, state, 8.0, 1.5, 0.5, 0.7, out)
+    readout.deviations(positions(), memory, state, 8.0, 1.5, 0.5, 0.7, out)
     relative = 0.2**2
     noise, wrong = 2 * 0.25 * 8.0, 50.0**2 * relative + 3.0**2 + 1.5
     assert out.stiffness_std == pytest.approx(math.sqrt(noise + wrong))
@@ -248,6 +228,34 @@ def test_deviations_are_those_of_the_read_out():
     assert out.torque_std == pytest.approx(math.sqrt(2 * 0.25 * 0.5 + 4.0**2 * relative + 0.7))
     assert out.noise == 0.5
     assert np.array_equal(out.coefficients_std, [0.3])
+
+
+def test_the_noise_of_where_the_law_is_read_is_in_both_deviations():
+    """Against sampling: a cubic law with known coefficients read at noisy positions."""
+    k, c, phi, link, motor = 100.0, 4e5, 0.01, 2e-4, 1e-4
+    state = judged(variance=0.0, noise=0.0)
+    sigma, slope = k + 3.0 * c * phi**2, 6.0 * c * phi
+    out = SimpleNamespace(stiffness=sigma, torque=0.0, dstiffness=slope, coefficients_std=[0.0])
+    memory = SimpleNamespace()
+    readout.deviations(positions(link, motor), memory, state, 0.0, 0.0, 0.0, 0.0, out)
+    rng = np.random.default_rng(50)
+    read = phi + link * rng.standard_normal(200_000) - motor * rng.standard_normal(200_000)
+    # A std from 200,000 samples is known to 0.16 %; curvature adds (n / phi)^2 / 2 = 0.03 %.
+    assert out.stiffness_std == pytest.approx((k + 3.0 * c * read**2).std(), rel=5e-3)
+    assert out.torque_std == pytest.approx((k * read + c * read**3).std(), rel=5e-3)
+    # Neither noise of the fit nor systematic: beside another transmission it has its own rule.
+    assert (memory.noise2, memory.wrong2) == (0.0, 0.0)
+
+
+def judged(**values):
+    """The evidence of rows: nothing wrong, one coefficient."""
+    usual = {"evaluated": 1, "inflation": 1.0, "deflection": 0.1, "relative2": 0.0, "shift": 0.0}
+    return SimpleNamespace(**usual | values | {STDS: [0.3]})
+
+
+def positions(link=0.0, motor=0.0):
+    """Noise of the positions the law is read at, rad."""
+    return SimpleNamespace(link2=link**2, motor2=motor**2)
 
 
 STDS = next(n for n, f in evidence.EvidenceState.fields().items() if "each coefficient" in f.doc)

@@ -5,25 +5,27 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rotatum.estimators.shapes import Shape, rows_stage
+from rotatum.estimators.rowstages import rows_stage
+from rotatum.estimators.shapes import Shape
 from rotatum.kernels import basis, kinematic, residual, rows
 from rotatum.models.laws import LAWS
 from rotatum.record import Layout
 from rotatum.runtime.bank import Bank
 from tests import naive
+from tests.kernels.driven import T, problem, run
 from tests.kernels.make import Sines, nested, plain
-from tests.kernels.test_weak import B, D, T, problem, run
+from tests.kernels.test_weak import B, D
 
 TERMS = [(1, 0), (1, 1), (1, 2), (3, 0)]
 MIDDLE, HALF, SCALE = 0.09, 0.03, 0.01
 
 
 def serial(cutoff=200.0, **settings):
-    """Params and state of weak rows with products of deflection and set-point."""
-    P, S = problem([i for i, _ in TERMS], cutoff=cutoff, scale=SCALE, inertia=B, **settings)
+    """Stage and params of weak rows with products of deflection and set-point."""
+    stage, P = problem([i for i, _ in TERMS], cutoff=cutoff, scale=SCALE, inertia=B, **settings)
     P["basis"]["middle"], P["basis"]["half"], P["basis"]["setpoint_order"] = MIDDLE, HALF, 2
     P["basis"]["setpoint_power"] = [j for _, j in TERMS]
-    return P, S
+    return stage, P
 
 
 def products(phi, setpoint):
@@ -155,7 +157,8 @@ def test_the_model_stands_in_for_a_measured_torque(samples):
     one: Layout = params[0]
     one["zero"]["samples"], one["zero"]["zero"] = samples, 0.002
     one["basis"]["scale"], one["basis"]["half"], one["basis"]["power"] = SCALE, 1.0, 1
-    one["weak"]["period"], one["weak"]["pole"], one["weak"]["settle"] = T, np.exp(-200.0 * T), 3
+    one["weak"]["period"] = T
+    one["operator"]["pole"], one["operator"]["order"] = np.exp(-200.0 * T), 2
     spring, preload, r0, b = 14220.0, 0.003, 0.1, 4e-4
     one["model"]["constants"], one["model"]["preload"] = spring, preload
     one["model"]["offset"], one["model"]["slope"] = r0, -b

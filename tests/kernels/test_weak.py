@@ -2,65 +2,16 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
-from rotatum.kernels import basis, rows, weak
+from rotatum.kernels import rows
 from rotatum.kernels.status import DISABLED, SETTLING
-from rotatum.record import Field, Layout
 from tests import naive
-from tests.kernels.make import Sines, copy_out, plain
+from tests.kernels.driven import T, problem, run
+from tests.kernels.make import Sines
 
-T = 1e-3
 B, D = 0.02, 0.3
-
-
-def problem(powers, kinds=(), *, cutoff, scale=0.01, period=T, **settings):
-    """Params and state of a row: fitted columns ``kinds``, then powers of the deflection."""
-    b, p, m = len(powers), len(powers) + len(kinds), max(powers) + 1
-    terms = basis.BasisState.layout(b=b, m=m)
-    params = {
-        "zero": rows.ZeroParams.layout(),
-        "basis": basis.BasisParams.layout(b=b),
-        "weak": weak.WeakParams.layout(p=p),
-    }
-    state = {
-        "zero": rows.ZeroState.layout(),
-        "terms": terms,
-        "past": terms,
-        "weak": weak.WeakState.layout(p=p),
-    }
-    one = [
-        Layout("x", "x", {k: Field(v) for k, v in fields.items()}).zeros(1)[0]
-        for fields in (params, state)
-    ]
-    P, S = one
-    P["basis"]["scale"], P["basis"]["half"], P["basis"]["power"] = scale, 1.0, powers
-    P["weak"]["period"], P["weak"]["pole"] = period, math.exp(-cutoff * period)
-    P["weak"]["kind"] = list(kinds) + [0] * b
-    P["weak"]["scale"] = 1.0
-    P["weak"]["settle"] = 2
-    for name, value in settings.items():
-        P["weak"][name] = value
-    return P, S
-
-
-def run(P, S, q, theta, tau, *, setpoint=None, sensor=False, fresh=(0,), enable=1):
-    """All rows: y, R and validity per sample."""
-    sample = plain(rows.Sample.layout().zeros(1)[0])
-    out = rows.Row.layout(p=len(S["weak"]["R2"])).zeros(len(q))
-    P, S, row = plain(P), plain(S), plain(out[0])
-    (weak.sensor_init if sensor else weak.motor_init)(P, S)
-    step = weak.sensor_step if sensor else weak.motor_step
-    for k in range(len(q)):
-        sample.q, sample.theta, sample.enable = float(q[k]), float(theta[k]), enable
-        sample.torque, sample.fresh = float(tau[k]), int(k in fresh)
-        sample.setpoint = 0.0 if setpoint is None else float(setpoint[k])
-        step(P, S, sample, row)
-        copy_out(row, out[k])
-    return out
 
 
 def spring(rng, *, cubic, period=T, low=3.0, high=60.0, offset=0.0, damping=0.0, size=400):
@@ -101,10 +52,10 @@ def test_hat_of_a_cubic_is_exact(degree):
 
 def test_hat_of_a_quartic_errs_by_the_fourth_order():
     x = np.polynomial.Polynomial([0.0, 0.0, 0.0, 0.0, 1.0])
-    for T in (0.1, 0.05):
-        error = rows.hat(x(-T), x(0.0), x(T)) - naive.hat_average(x, 0.0, T)
-        # T^4 x'''' / 240 = T^4 / 10, exactly for a quartic; numbers of order T^4 = 1e-5 are summed.
-        assert error == pytest.approx(T**4 / 10.0, rel=1e-9)
+    for h in (0.1, 0.05):
+        error = rows.hat(x(-h), x(0.0), x(h)) - naive.hat_average(x, 0.0, h)
+        # h^4 x'''' / 240 = h^4 / 10, exactly for a quartic; numbers of order h^4 = 1e-5 are summed.
+        assert error == pytest.approx(h**4 / 10.0, rel=1e-9)
 
 
 @pytest.mark.parametrize("degree", [2, 3, 4, 5])
@@ -132,8 +83,8 @@ def test_held_torque_is_exact_for_a_free_rotor():
     theta = np.concatenate([[0.0], np.cumsum(velocity[:-1] * T + 0.5 * tau[:-1] * T**2 / B)])
     rowed = {}
     for held in (0, 1):
-        P, S = problem([1], cutoff=300.0, inertia=B, held=held)
-        rowed[held] = run(P, S, theta, theta, tau)["y"][2:]
+        stage, P = problem([1], cutoff=300.0, inertia=B, held=held)
+        rowed[held] = run(stage, P, theta, theta, tau)["y"][2:]
     assert np.abs(rowed[1]).max() < 1e-11  # rounding: theta of 1e-2 / T^2 * B * 1e-16
     assert np.abs(rowed[0]).max() > 0.05
 
@@ -145,8 +96,8 @@ def test_held_torque_is_exact_for_a_free_rotor():
 @pytest.mark.parametrize("cubic", [0, 1])
 def test_the_row_holds_whatever_the_cutoff(cutoff, cubic):
     q, theta, tau, (k1, k3), bound = spring(np.random.default_rng(9), cubic=cubic)
-    P, S = problem([1, 3], cutoff=cutoff, inertia=B)
-    out = run(P, S, q, theta, tau)
+    stage, P = problem([1, 3], cutoff=cutoff, inertia=B)
+    out = run(stage, P, q, theta, tau)
     fit = out["R"] @ [k1 * 0.01, k3 * 0.01**3]
     np.testing.assert_allclose(out["y"][2:], fit[2:], rtol=0.0, atol=bound)
     # It could fail: the same law without the low-pass on its side misses by far.
@@ -158,8 +109,8 @@ def test_the_row_holds_whatever_the_cutoff(cutoff, cubic):
 @pytest.mark.parametrize("offset", [1e3, 1e6])
 def test_the_row_holds_far_from_zero(offset):
     q, theta, tau, (k1, k3), bound = spring(np.random.default_rng(10), cubic=1, offset=offset)
-    P, S = problem([1, 3], cutoff=300.0, inertia=B)
-    out = run(P, S, q, theta, tau)
+    stage, P = problem([1, 3], cutoff=300.0, inertia=B)
+    out = run(stage, P, q, theta, tau)
     fit = out["R"] @ [k1 * 0.01, k3 * 0.01**3]
     np.testing.assert_allclose(out["y"][2:], fit[2:], rtol=0.0, atol=bound)
 
@@ -175,8 +126,8 @@ def test_the_error_falls_with_the_fourth_power_of_the_period():
             high=200.0,
             size=round(0.8 / period),
         )
-        P, S = problem([1], cutoff=100.0, inertia=B, period=period)
-        out = run(P, S, q, theta, tau)
+        stage, P = problem([1], cutoff=100.0, inertia=B, period=period)
+        out = run(stage, P, q, theta, tau)
         left.append(np.std((out["y"] - out["R"][:, 0] * k1 * 0.01)[10:]))
     # 16, but for a sixth-order share of (w T)^2 = 0.16 and the start, of which one sees more rows.
     assert left[0] / left[1] == pytest.approx(16.0, rel=0.15)
@@ -184,8 +135,8 @@ def test_the_error_falls_with_the_fourth_power_of_the_period():
 
 def test_the_row_with_damping_holds_to_second_order():
     q, theta, tau, (k1, _), bound = spring(np.random.default_rng(12), cubic=0, damping=D)
-    P, S = problem([1], cutoff=300.0, inertia=B, damping=D)
-    out = run(P, S, q, theta, tau)
+    stage, P = problem([1], cutoff=300.0, inertia=B, damping=D)
+    out = run(stage, P, q, theta, tau)
     np.testing.assert_allclose(out["y"][2:], out["R"][2:, 0] * k1 * 0.01, rtol=0.0, atol=bound)
 
 
@@ -194,8 +145,8 @@ def test_known_and_fitted_constants_are_the_same_balance():
     # the columns times what is missing make up for it.
     q, theta, tau, (k1, _), bound = spring(np.random.default_rng(13), cubic=0, damping=D)
     kinds = [rows.INERTIA, rows.DAMPING, rows.OFFSET]
-    P, S = problem([1], kinds, cutoff=300.0, inertia=0.5 * B, damping=0.25 * D)
-    out = run(P, S, q, theta, tau - 1.25)
+    stage, P = problem([1], kinds, cutoff=300.0, inertia=0.5 * B, damping=0.25 * D)
+    out = run(stage, P, q, theta, tau - 1.25)
     fit = out["R"] @ [0.5 * B, 0.75 * D, 1.25, k1 * 0.01]
     np.testing.assert_allclose(out["y"][2:], fit[2:], rtol=0.0, atol=bound + 1e-12)
 
@@ -204,9 +155,9 @@ def test_skew_and_transmission_damping_columns_are_velocities():
     t = np.arange(100) * T
     q, theta = 3.0 * t, 1.0 * t  # ramps: every operator is exact
     kinds = [rows.SKEW, rows.TRANSMISSION_DAMPING]
-    P, S = problem([1], kinds, cutoff=300.0, inertia=B)
+    stage, P = problem([1], kinds, cutoff=300.0, inertia=B)
     P["weak"]["scale"] = [2.0, 4.0, 1.0]
-    out = run(P, S, q, theta, np.zeros(100))
+    out = run(stage, P, q, theta, np.zeros(100))
     # Rounding of 0.3 rad over 2 T.
     np.testing.assert_allclose(out["R"][2:, 0], 3.0 / 2.0, rtol=1e-12)
     np.testing.assert_allclose(out["R"][2:, 1], 2.0 / 4.0, rtol=1e-12)
@@ -216,8 +167,8 @@ def test_skew_and_transmission_damping_columns_are_velocities():
 def test_agrees_with_the_twin_sample_by_sample(held):
     rng = np.random.default_rng(14)
     q, theta, tau = rng.standard_normal((3, 200)) * [[1e-3], [1e-3], [1.0]]
-    P, S = problem([1, 3], cutoff=200.0, inertia=B, damping=D, held=held, scale=2e-3)
-    out = run(P, S, q, theta, tau)
+    stage, P = problem([1, 3], cutoff=200.0, inertia=B, damping=D, held=held, scale=2e-3)
+    out = run(stage, P, q, theta, tau)
     x = (q - theta) / 2e-3
     columns = np.stack([x, x * x * x], axis=1)
     y, R = naive.weak_rows(
@@ -231,8 +182,8 @@ def test_agrees_with_the_twin_sample_by_sample(held):
 def test_a_torque_sensor_goes_through_the_same_operator():
     rng = np.random.default_rng(15)
     q, theta, torque = rng.standard_normal((3, 200))
-    P, S = problem([1], cutoff=200.0, scale=1.0)
-    out = run(P, S, q, theta, torque, sensor=True)
+    stage, P = problem([1], cutoff=200.0, scale=1.0, torque="sensor")
+    out = run(stage, P, q, theta, torque)
     y, R = naive.weak_rows(
         (q - theta)[:, None], 0.0 * theta, -torque, period=T, cutoff=200.0, inertia=0.0
     )
@@ -253,8 +204,10 @@ def test_friction_has_its_sign_from_both_sides_and_the_row_waits_for_it(delay):
     rubbed = tau.copy()
     rubbed[middle] += C * sgn
     for kinds, known in (([], C), ([rows.COULOMB], 0.0)):
-        P, S = problem([1], kinds, cutoff=300.0, inertia=B, coulomb=known, width=width, delay=delay)
-        out = run(P, S, q, theta, rubbed)
+        stage, P = problem(
+            [1], kinds, cutoff=300.0, inertia=B, coulomb=known, width=width, delay=delay
+        )
+        out = run(stage, P, q, theta, rubbed)
         fit = out["R"] @ [C, k1 * 0.01][1 - len(kinds) :]
         # The first hat is complete two samples after the first sign; both sides of friction go
         # through the same hat, so the bound is that of the balance without it.
@@ -268,14 +221,14 @@ def test_friction_has_its_sign_from_both_sides_and_the_row_waits_for_it(delay):
 
 
 def test_rows_are_valid_once_settled_and_enabled():
-    P, S = problem([1], cutoff=300.0, inertia=B, settle=5)
+    stage, P = problem([1], cutoff=300.0, inertia=B, settle=3)
     zeros = np.zeros(10)
-    out = run(P, S, zeros, zeros, zeros)
+    out = run(stage, P, zeros, zeros, zeros)
     assert out["valid"].tolist() == [0] * 5 + [1] * 5
     assert (out["status"][:5] == SETTLING).all()
     assert out["fresh"].tolist() == [1] + [0] * 9
-    P, S = problem([1], cutoff=300.0, inertia=B, settle=5)
-    out = run(P, S, zeros, zeros, zeros, enable=0)
+    stage, P = problem([1], cutoff=300.0, inertia=B, settle=3)
+    out = run(stage, P, zeros, zeros, zeros, enable=0)
     assert not out["valid"].any()
     assert out["status"].tolist() == [SETTLING | DISABLED] * 5 + [DISABLED] * 5
 
@@ -283,19 +236,19 @@ def test_rows_are_valid_once_settled_and_enabled():
 def test_a_restart_forgets_everything_but_the_zero():
     rng = np.random.default_rng(17)
     q, theta, tau = rng.standard_normal((3, 60))
-    P, S = problem([1], cutoff=50.0, inertia=B)
-    whole = run(P, S, q, theta, tau, fresh=(0, 30))
-    P, S = problem([1], cutoff=50.0, inertia=B)
-    tail = run(P, S, q[30:], theta[30:], tau[30:])
+    stage, P = problem([1], cutoff=50.0, inertia=B)
+    whole = run(stage, P, q, theta, tau, fresh=(0, 30))
+    stage, P = problem([1], cutoff=50.0, inertia=B)
+    tail = run(stage, P, q[30:], theta[30:], tau[30:])
     assert whole[32:].tobytes() == tail[2:].tobytes()
     assert whole["fresh"][30] == 1
 
 
 def test_the_zero_is_the_mean_of_the_first_deflections():
-    P, S = problem([1], cutoff=300.0, inertia=B, scale=1.0)
+    stage, P = problem([1], cutoff=300.0, inertia=B, scale=1.0)
     P["zero"]["samples"] = 4
     q = np.array([1.0, 2.0, 3.0, 4.0, 7.0, 7.0, 7.0, 7.0])
-    out = run(P, S, q, 0.0 * q, 0.0 * q)
+    out = run(stage, P, q, 0.0 * q, 0.0 * q)
     assert out["phi"][4] == 7.0 - 2.5
     assert out["F"][4, 0] == 4.5
     assert out["valid"].tolist() == [0, 0, 0, 0, 0, 1, 1, 1]
@@ -305,15 +258,15 @@ def test_the_zero_is_the_mean_of_the_first_deflections():
 def test_a_restart_begins_the_zero_anew_while_it_is_read_and_not_afterwards():
     # A glitch of an encoder is a jump there and back: two restarts, the glitch between them.
     q = np.array([1.0, 1.0, 900.0, 1.0, 1.0, 1.0, 1.0, 5.0, 5.0])
-    P, S = problem([1], cutoff=300.0, inertia=B, scale=1.0)
+    stage, P = problem([1], cutoff=300.0, inertia=B, scale=1.0)
     P["zero"]["samples"] = 3
-    out = run(P, S, q, 0.0 * q, 0.0 * q, fresh=(0, 2, 3, 8))
+    out = run(stage, P, q, 0.0 * q, 0.0 * q, fresh=(0, 2, 3, 8))
     assert out["phi"][6:].tolist() == [0.0, 4.0, 4.0]
 
 
 def test_the_basis_now_is_zero_for_what_is_no_spring():
-    P, S = problem([1, 3], [rows.OFFSET], cutoff=300.0, inertia=B, scale=0.5)
-    out = run(P, S, np.full(5, 0.25), np.zeros(5), np.zeros(5))
+    stage, P = problem([1, 3], [rows.OFFSET], cutoff=300.0, inertia=B, scale=0.5)
+    out = run(stage, P, np.full(5, 0.25), np.zeros(5), np.zeros(5))
     assert out["F"][-1].tolist() == [0.0, 0.5, 0.125]
     assert out["D"][-1].tolist() == [0.0, 2.0, 3.0 * 0.25 * 2.0]
     assert out["H"][-1].tolist() == [0.0, 0.0, 6.0 * 0.5 * 4.0]

@@ -93,10 +93,11 @@ def test_every_case_says_what_it_assumes() -> None:
 
 
 def test_numbers_json_does_not_have_become_null() -> None:
-    outcome = Outcome((Value("x", "%", 1.0, math.inf, math.nan),), findings=("So.",))
+    outcome = Outcome((Value("x", "%", 1.0, math.inf, math.nan, 2.0),), findings=("So.",))
     told: Any = outcome.to_json()
     assert told["values"][0] == {
-        "label": "x", "unit": "%", "paper": 1.0, "paper_settings": None, "weak": None,
+        "label": "x", "unit": "%",
+        "paper": 1.0, "paper_settings": None, "algebraic": 2.0, "weak": None,
     }  # fmt: skip
     with pytest.raises(KeyError):
         outcome.value("y")

@@ -9,7 +9,7 @@ import pytest
 
 from rotatum.evaluation.papers.case import Case, Curve, Figure, Map, Outcome, Plot, Value
 from rotatum.evaluation.papers.catalogue import PAPERS, Paper
-from rotatum.report.case_page import case_page
+from rotatum.report.case_page import case_page, cells, columns
 from tests.cli.runs import run
 
 
@@ -87,5 +87,27 @@ def test_a_page_has_every_number_and_figure_and_no_stray_markup() -> None:
     assert 'id="plot-one"' in page
     assert '"type":"heatmap"' in page.replace(" ", "")
     assert '"type":"log"' in page.replace(" ", "")
+    assert "algebraic" not in page.partition("<script>")[0]  # no line has a number of it
     without = case_page("A paper", case, Outcome(outcome.values))
     assert len(without) < 20_000  # nothing to draw: no plotly
+
+
+def test_a_method_only_some_papers_need_has_a_column_where_it_has_a_number() -> None:
+    values = (Value("error", "%", 0.7, 0.5, 0.01, 0.02), Value("other", "%", own=3.0))
+    assert columns(values)[2:] == (
+        "paper", "ours, the paper's settings", "ours, algebraic", "ours, weak",
+    )  # fmt: skip
+    assert cells(values[0], columns(values)) == ["error", "%", "0.7", "0.5", "0.02", "0.01"]
+    assert cells(values[1], columns(values)) == ["other", "%", "", "3", "", ""]
+    assert "ours, algebraic" not in columns(values[1:])
+
+
+def test_plots_over_one_logarithmic_axis_all_are() -> None:
+    from numpy import arange
+
+    x = arange(1.0, 4.0)
+    plots = tuple(Plot(title, (Curve("a", x, x),)) for title in ("first", "second", "third"))
+    figure = Figure("one", "A figure", "Note.", "noise, rad", plots, logarithmic=True)
+    case = Case("c", "a title", "Prints this.", ("Assumed that.",), lambda p, q: Outcome(()))
+    page = case_page("A paper", case, Outcome((), (figure,)))
+    assert page.replace(" ", "").count('"type":"log"') == 3
