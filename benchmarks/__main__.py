@@ -56,8 +56,13 @@ def _figures(options: argparse.Namespace, directory: Path) -> list[Figure]:
         if native.compiler() is None:
             say("no C compiler: nothing to compare Bank.run with")
         else:
-            for case, joint in ((scenario.series(), ""), (scenario.pair(), "pair: ")):
-                found += batch.figures(case, joint, directory, options.repetitions)
+            for case, joint, targets in (
+                (scenario.series(), "", batch.FEW),
+                (scenario.pair(), "pair: ", batch.FEW),
+                (scenario.series8(), "8 columns: ", batch.Targets(1.5)),
+                (scenario.window8(), "8 columns, window: ", batch.Targets(2.0)),
+            ):
+                found += batch.figures(case, joint, directory, options.repetitions, targets)
     if only in (None, "online"):
         found += online.figures(max(1, options.repetitions // 10))
     if only in (None, "simulation"):

@@ -1,4 +1,7 @@
-"""``Bank.update``, the call of a control loop: seven series joints or one of two transmissions."""
+"""``Bank.update``, the call of a control loop: seven series joints or one of two transmissions.
+
+Seven joints with windows also with and without their rows one after the other.
+"""
 
 from __future__ import annotations
 
@@ -20,6 +23,7 @@ from rotatum.runtime import Bank, Stage
 JOINTS = 7
 SAMPLES = 300
 STACK_SAMPLES = 50
+WINDOW_SAMPLES = 2000  # a hundred rows of each window, a dozen evaluations
 
 
 def figures(repetitions: int) -> list[Figure]:
@@ -50,7 +54,23 @@ def figures(repetitions: int) -> list[Figure]:
         seven.worst("7 joints"),
         _figure("a pair", interleaved(pair.runners(), 10 * repetitions), 6.0),
         pair.worst("a pair"),
+        *_staggered(),
     ]
+
+
+def _staggered() -> list[Figure]:
+    """Measure the worst update of seven joints with windows, rows together and one by one."""
+    say("timing seven windows ...")
+    case = scenario.window8()
+    apart = np.repeat(case.params, JOINTS)
+    operator = apart["inner"]["rows"]["operator"]
+    operator["phase"] = np.arange(JOINTS) * operator["stride"][0] // JOINTS
+    together = Loop(case, JOINTS, WINDOW_SAMPLES).worst("7 windows together")
+    staggered = Loop(case, JOINTS, WINDOW_SAMPLES, apart).worst("7 windows")
+    assert staggered.value is not None
+    assert together.value is not None
+    gained = staggered.value / together.value
+    return [staggered, together, Figure("worst update, staggered / together", gained, "x")]
 
 
 def _figure(what: str, seconds: dict[str, list[float]], target: float) -> Figure:
@@ -70,13 +90,18 @@ class Loop:
     Args:
         case: what runs.
         joints: how many of it.
+        samples: how many of its log.
+        params: of each; None: the case's.
     """
 
-    def __init__(self, case: Case, joints: int) -> None:
-        params = np.repeat(case.params, joints)
+    def __init__(
+        self, case: Case, joints: int, samples: int = SAMPLES, params: Records | None = None
+    ) -> None:
+        if params is None:
+            params = np.repeat(case.params, joints)
         self.bank, self.empty = Bank(case.stage, params), Bank(_empty(case.stage), params)
         # Rows as a loop has them: taking them out of an array is not what is timed.
-        self.u = list(np.repeat(case.inputs[:SAMPLES], joints, axis=1))
+        self.u = list(np.repeat(case.inputs[:samples], joints, axis=1))
         self.out = case.stage.output.zeros(joints)
 
     def runners(self) -> dict[str, Runner]:

@@ -24,7 +24,7 @@ class Pipeline:
     def __init__(self, params: Any) -> None:
         rows = params["inner"]["rows"]
         self.weak, self.scale = rows["weak"], float(rows["basis"]["scale"])
-        self.period, self.gain = float(self.weak["period"]), 1.0 - float(self.weak["pole"])
+        self.period, self.gain = float(self.weak["period"]), 1.0 - float(rows["operator"]["pole"])
         self.bandwidth = 1.0 / self.period
         self.reset()
 

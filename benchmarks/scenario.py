@@ -1,4 +1,7 @@
-"""The cases of the benchmarks: a series joint with a hardening spring, and an antagonistic one."""
+"""The cases of the benchmarks: a series joint with a hardening spring, and an antagonistic one.
+
+The series joint also with seven odd powers, eight columns in all: through poles and a window.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rotatum.estimators.assemble import joint_stage
 from rotatum.estimators.settings import Request, settle
-from rotatum.estimators.shapes import Shape, joint_stage, roles
+from rotatum.estimators.shapes import Shape, roles
 from rotatum.estimators.tuning import prepare
 from rotatum.logs import Log
 from rotatum.models import Device, load_device
@@ -22,7 +26,11 @@ from rotatum.simulation import Sensors, multisine, simulate_joint, sine
 SECONDS = 20.0
 PERIOD = 4e-4
 PAIR_PERIOD = 1e-3
+WINDOW = 200 * PERIOD
+ORDERS = 7  # of the series joint with eight columns
 SHAPE = Shape("weak", "estimated", 3, 4, 5, shrunk=True)
+SHAPE8 = Shape("weak", "estimated", ORDERS, 8, 13, shrunk=True)
+WINDOW_SHAPE8 = SHAPE8._replace(operator="window", size=256)
 PAIR_SHAPE = Shape("weak", "estimated", 4, 5, 7, actuation="antagonistic", shrunk=True)
 
 JOINT = """\
@@ -42,7 +50,7 @@ link = 32768.0
 motor = 65536.0
 {open}basis]
 deflection_range = 0.15
-orders = 3
+orders = {orders}
 {open}estimator]
 method = "weak"
 fit = ["offset"]
@@ -67,18 +75,18 @@ class Case(NamedTuple):
     inputs: Records
 
 
-def device_text(joints: int = 1, *, hold: str = "held") -> str:
+def device_text(joints: int = 1, *, hold: str = "held", orders: int = 3) -> str:
     """Return a device file with that many equal joints: named ``arm``, or ``j0``, ``j1`` ..."""
     if joints == 1:
-        return 'name = "arm"\n' + JOINT.format(open="[", hold=hold)
-    body = JOINT.format(open="[joint.", hold=hold)
+        return 'name = "arm"\n' + JOINT.format(open="[", hold=hold, orders=orders)
+    body = JOINT.format(open="[joint.", hold=hold, orders=orders)
     return 'name = "arm"\n' + "".join(f'[[joint]]\nname = "j{i}"\n{body}' for i in range(joints))
 
 
 @lru_cache(maxsize=4)
-def device(joints: int = 1) -> Device:
-    """Return the device of ``device_text``."""
-    return device_from_tables(tomllib.loads(device_text(joints)), "benchmark")
+def device(orders: int = 3) -> Device:
+    """Return the device of ``device_text`` with one joint."""
+    return device_from_tables(tomllib.loads(device_text(orders=orders)), "benchmark")
 
 
 @lru_cache(maxsize=1)
@@ -108,6 +116,19 @@ def series() -> Case:
 
 
 @lru_cache(maxsize=1)
+def series8() -> Case:
+    """Return the series joint with eight columns."""
+    return _case("weak_series8", device(ORDERS), log(), SHAPE8)
+
+
+@lru_cache(maxsize=1)
+def window8() -> Case:
+    """Return the same through a window of 200 samples, a row every twenty."""
+    request = Request(window=WINDOW)
+    return _case("window_series8", device(ORDERS), log(), WINDOW_SHAPE8, request)
+
+
+@lru_cache(maxsize=1)
 def pair() -> Case:
     """Return the antagonistic joint of flacco2012 section 6: 20 s at 1 kHz."""
     robot = load_device("vsa-ii")
@@ -122,12 +143,14 @@ def pair() -> Case:
     return _case("weak_pair", robot, data, PAIR_SHAPE)
 
 
-def _case(name: str, robot: Device, data: Log, shape: Shape) -> Case:
+def _case(
+    name: str, robot: Device, data: Log, shape: Shape, request: Request | None = None
+) -> Case:
     """Tune the stage of ``shape`` to the device and fill its input with the log."""
     joint = robot.joints[0]
     wanted = roles(joint.actuation, "estimated")
     period = float(data.time[1] - data.time[0])
-    settings = settle(joint, robot, period, Request())
+    settings = settle(joint, robot, period, request or Request())
     holds = {role: "held" for role in wanted if role.startswith("tau")}
     prepared = prepare(joint, settings, period=period, holds=holds)
     if prepared.shape != shape or prepared.stage != joint_stage(shape):

@@ -57,18 +57,32 @@ class Worst(NamedTuple):
         worst: the sample that takes longest, each at its best of several repetitions: what the
             algorithm does, without interruptions by the machine.
         raw: the longest time seen at all.
+        due: median over the samples with a row, where not all have one.
     """
 
     median: float
     worst: float
     raw: float
+    due: float | None = None
 
     def __str__(self) -> str:
-        return f"median {self.median:.0f} ns, worst {self.worst:.0f} ns ({self.raw:.0f} ns raw)"
+        due = "" if self.due is None else f"with a row {self.due:.0f} ns, "
+        text = f"median {self.median:.0f} ns, {due}worst {self.worst:.0f} ns"
+        return f"{text} ({self.raw:.0f} ns raw)"
 
 
-def worst_case(repeat: Callable[[], NDArray[np.int64]], repetitions: int) -> Worst:
-    """Repeat a run that returns ns per sample ``(N,)``; the same samples every time."""
+def worst_case(
+    repeat: Callable[[], NDArray[np.int64]],
+    repetitions: int,
+    due: NDArray[np.bool_] | None = None,
+) -> Worst:
+    """Repeat a run that returns ns per sample ``(N,)``; the same samples every time.
+
+    Args:
+        repeat: the run.
+        repetitions: how often.
+        due: ``(N,)`` samples with a row.
+    """
     best = repeat()
     raw = int(best.max())
     for _ in range(repetitions - 1):
@@ -76,7 +90,8 @@ def worst_case(repeat: Callable[[], NDArray[np.int64]], repetitions: int) -> Wor
         raw = max(raw, int(times.max()))
         best = np.minimum(best, times)
     clock = clock_cost()
-    return Worst(float(np.median(best)) - clock, float(best.max()) - clock, raw - clock)
+    rows = None if due is None else float(np.median(best[due])) - clock
+    return Worst(float(np.median(best)) - clock, float(best.max()) - clock, raw - clock, rows)
 
 
 def clock_cost() -> float:

@@ -13,6 +13,7 @@ static const double CONFIDENT = 2.5;
 
 typedef struct {
     double rows, squares, variance, inflation, scale, spread, deflection, relative2, shift2, noise;
+    double faint;                             /* how much of the straight line's column is noise */
     double std[P];
     int std_turn, head, length, wrong, streak[PROBES];
     double e[RING], f[RING], pulls[RING], drags[RING], open[MOMENTS];
@@ -115,11 +116,12 @@ static void test_model(evidence *s, const blocks *b, int probes)
     s->share[DRAG_OF_LINK] = ratio(fabs(a[DRAG_OF_LINK] * s->drag_cross), drag2 * power);
 }
 
-/* Bias along v = P c from the encoders' noise in the straight line's column. */
+/* Bias along v = P c from the noise in the straight line's column, less its share in y. What
+ * is seen of the coefficient is attenuated by as much of the column as is noise. */
 static double bias_along(const transmission_params *p, const evidence *s, const solver *ls,
                          const double v[P])
 {
-    return v[1] * s->rows * p->c.noise * ls->shrunk[1];
+    return v[1] * s->rows * (p->c.noise * ls->shrunk[1] / (1.0 - s->faint) - p->c.shared);
 }
 
 static void renew_coefficient(const transmission_params *p, evidence *s, const solver *ls,
@@ -130,8 +132,10 @@ static void renew_coefficient(const transmission_params *p, evidence *s, const s
     unit[j] = 1.0;
     multiply(ls, unit, v, &bias2);
     double own = s->variance * v[j], coloured = worst(b, at, P, v);
-    double own_noise = j == 1 ? s->rows * p->c.noise * v[j] : 0.0;
-    double shift = bias_along(p, s, ls, v) / (1.0 - fmin(own_noise, 0.99));
+    if (j == 1) {
+        s->faint = fmin(s->rows * p->c.noise * v[1], 0.99);
+    }
+    double shift = bias_along(p, s, ls, v);
     s->std[j] = sqrt((coloured > own ? coloured : own) + shift * shift + bias2);
     s->std_turn = j + 1 < P ? j + 1 : 0;
 }
@@ -153,10 +157,10 @@ static void set_wrong(const transmission_params *p, evidence *s, double relative
 
 /* At every evaluation: noise level, shrinking, inflation, informative deflection, tests. Writes the
  * direction P D to v. */
-static void renew(const transmission_params *p, evidence *s, solver *ls, const rows *row,
-                  const blocks *b, int at, int probes, double v[P])
+static void renew(const joint_params *joint, const transmission_params *p, evidence *s, solver *ls,
+                  const rows *row, const blocks *b, int at, int probes, double v[P])
 {
-    double D[P] = {0}, stiffness = 0.0, bias2;
+    double D[P] = {0}, stiffness = 0.0, slope = 0.0, bias2;
     if (s->rows > P) {
         s->variance = s->squares / (s->rows - P);
     }
@@ -164,6 +168,7 @@ static void renew(const transmission_params *p, evidence *s, solver *ls, const r
     for (int i = 1; i < P; ++i) {
         D[i] = row->D[i - 1];
         stiffness += D[i] * ls->shrunk[i];
+        slope += row->H[i - 1] * ls->shrunk[i];
     }
     double q = multiply(ls, D, v, &bias2);
     s->spread = q;
@@ -182,6 +187,7 @@ static void renew(const transmission_params *p, evidence *s, solver *ls, const r
     test_model(s, b, probes);
     renew_coefficient(p, s, ls, b, at);
     double variance = s->scale * q + stiffness * stiffness * s->relative2 + s->shift2 + bias2;
+    variance += slope * slope * joint->read2;
     set_wrong(p, s, 1.96 * sqrt(variance) / (fabs(stiffness) + 1e-300));
 }
 

@@ -1,16 +1,15 @@
 /* What a joint's estimator is given and reads, and the codes it answers with. One program estimates
- * one kind of joint: its file says how many TRANSMISSIONS there are and how many odd powers of the
- * deflection, TERMS, each has. */
+ * one kind of joint: its file says how many TRANSMISSIONS there are, how many odd powers of the
+ * deflection, TERMS, each has, and includes the operator its rows go through. */
 
 #ifndef JOINT_H
 #define JOINT_H
 
 #include <math.h>
-#include <stdint.h>
-#include <string.h>
+
+#include "signals.h"
 
 enum {
-    P = TERMS + 1,         /* columns: the offset of the torque, then the powers, low to high */
     FIRST_SHRUNK = 2,      /* offset and straight line are not */
     LEVELS = 20, RING = 64, PROBES = 5, MOMENTS = 8,
     SCORES = TRANSMISSIONS * P, SUMS = SCORES + TRANSMISSIONS * PROBES,
@@ -32,11 +31,13 @@ typedef struct {
 
 /* Of a transmission and its motor. */
 typedef struct {
-    int64_t zero_samples, settle, held, lag;
+    int64_t zero_samples, held, lag;
     double range;                             /* deflection at x = 1 */
-    double pole, inertia, damping;
+    double inertia, damping;
     double forgetting, memory, prior;
-    double common, accuracy, noise, bias;     /* noise: variance in the straight line's column */
+    double common, accuracy, bias;
+    double noise, shared;                     /* of the encoders, in the straight line's column */
+    operator_config operator;
 } transmission_config;
 
 typedef struct {
@@ -49,18 +50,20 @@ typedef struct {
     int64_t block;
     double fade[LEVELS], fade_probe[LEVELS];
     double starved, informative, hold, left;  /* of the verdict; left: of the prior's variance */
+    double link2, motor2;                     /* variance of either position's noise */
 } joint_config;
 
 /* The same with everything that need not be computed at every sample. */
 typedef struct {
     transmission_config c;
-    double gain, per_range, per_range2, per_period2, per_two_periods;
+    double per_range, per_range2, per_period2, per_two_periods;
     double per_forgetting, share;
+    operator_params operator;
 } transmission_params;
 
 typedef struct {
     joint_config c;
-    double per_period;
+    double per_period, read2;                 /* read2: variance of the deflection's noise */
     transmission_params transmission[TRANSMISSIONS];
 } joint_params;
 
@@ -70,10 +73,11 @@ void joint_prepare(joint_params *p, const joint_config *c)
 {
     p->c = *c;
     p->per_period = 1.0 / c->period;
+    p->read2 = c->link2 + c->motor2;
     for (int i = 0; i < TRANSMISSIONS; ++i) {
         transmission_params *t = &p->transmission[i];
         t->c = c->transmission[i];
-        t->gain = 1.0 - t->c.pole;
+        prepare_operator(&t->operator, &t->c.operator);
         t->per_range = 1.0 / t->c.range;
         t->per_range2 = t->per_range * t->per_range;
         t->per_period2 = p->per_period * p->per_period;

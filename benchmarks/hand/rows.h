@@ -1,19 +1,17 @@
-/* A transmission's rows: its motor's balance, tested with hats and put through a low-pass. */
+/* A transmission's rows: its motor's balance, tested with hats and put through the operator. */
 
 #ifndef ROWS_H
 #define ROWS_H
 
 #include "joint.h"
 
-enum { Y, PULL, DRAG, R, SIGNALS = R + P };   /* what goes through the low-pass; R: the columns */
-
 typedef struct {
     double zero, zero_total;
     int64_t zero_count;
     int64_t count;                            /* samples since a start */
-    int status;
+    int status, due;                          /* due: this sample has a row */
     double q1, q2, theta1, theta2, tau1, tau2, F1[TERMS], F2[TERMS];
-    double first[SIGNALS], now[SIGNALS];      /* after one pole and after both */
+    operator_state operator;                  /* operator.now: the row */
     double phi, F[TERMS], D[TERMS], H[TERMS]; /* the basis now; the offset's are zero */
 } rows;
 
@@ -55,9 +53,9 @@ static void evaluate_basis(const transmission_params *p, rows *s, double phi)
     }
 }
 
-static void filter_row(const transmission_params *p, rows *s, double q, double theta, double tau)
+static int make_row(const transmission_params *p, rows *s, double q, double theta, double tau)
 {
-    double raw[SIGNALS], g = p->gain;
+    double raw[SIGNALS];
     double mean = p->c.held ? 0.5 * (s->tau2 + s->tau1) : hat(s->tau2, s->tau1, tau);
     double acceleration = (theta - 2.0 * s->theta1 + s->theta2) * p->per_period2;
     double velocity = (theta - s->theta2) * p->per_two_periods;
@@ -68,15 +66,7 @@ static void filter_row(const transmission_params *p, rows *s, double q, double t
     for (int h = 0; h < TERMS; ++h) {
         raw[R + 1 + h] = hat(s->F2[h], s->F1[h], s->F[h]);
     }
-    if (s->count == 2) {
-        memcpy(s->first, raw, sizeof raw);
-        memcpy(s->now, raw, sizeof raw);
-        return;
-    }
-    for (int h = 0; h < SIGNALS; ++h) {
-        s->first[h] += g * (raw[h] - s->first[h]);
-        s->now[h] += g * (s->first[h] - s->now[h]);
-    }
+    return operate(&p->c.operator, &p->operator, &s->operator, raw);
 }
 
 static void next_row(const transmission_params *p, rows *s, double q, double theta, double tau,
@@ -85,11 +75,10 @@ static void next_row(const transmission_params *p, rows *s, double q, double the
     double raw = q - theta;
     if (!find_zero(p, s, raw, fresh) || fresh) {
         s->count = 0;
+        start_operator(&s->operator);
     }
     evaluate_basis(p, s, raw - s->zero);
-    if (s->count >= 2) {
-        filter_row(p, s, q, theta, tau);
-    }
+    s->due = s->count >= 2 && make_row(p, s, q, theta, tau);
     s->q2 = s->q1;
     s->q1 = q;
     s->theta2 = s->theta1;
@@ -99,7 +88,9 @@ static void next_row(const transmission_params *p, rows *s, double q, double the
     memcpy(s->F2, s->F1, sizeof s->F2);
     memcpy(s->F1, s->F, sizeof s->F1);
     s->count++;
-    s->status = (s->count <= p->c.settle ? SETTLING : 0) | (enable ? 0 : DISABLED);
+    s->status = settled(&p->c.operator, &s->operator) ? 0 : SETTLING;
+    s->status |= enable ? 0 : DISABLED;
+    s->due &= s->status == 0;
 }
 
 #endif

@@ -27,18 +27,19 @@ static void start_transmission(const transmission_params *p, transmission *t)
 static void take_row(const transmission_params *p, transmission *t, double scores[P],
                      double probes[PROBES], int settled)
 {
-    learn(p, &t->ls, t->row.now[Y], t->row.now + R);
-    add_evidence(p, &t->evidence, &t->ls, t->row.now, scores, probes, settled);
+    const double *now = t->row.operator.now;
+    learn(p, &t->ls, now[Y], now + R);
+    add_evidence(p, &t->evidence, &t->ls, now, scores, probes, settled);
+    shrink(&t->ls);
 }
 
 static told tell(const joint_params *joint, const transmission_params *p, transmission *t,
                  int evaluated)
 {
     const rows *row = &t->row;
-    const double *x = row->now + R, *alpha = t->ls.shrunk;
+    const double *x = row->operator.now + R, *alpha = t->ls.shrunk;
     evidence *s = &t->evidence;
     told r = {0};
-    shrink(&t->ls);
     r.fit = x[0] * alpha[0];
     double prior = 0.0;
     for (int i = 0; i < TERMS; ++i) {
@@ -57,9 +58,9 @@ static told tell(const joint_params *joint, const transmission_params *p, transm
     double torque_spread = spread(&t->ls, row->F, &torque_bias2, &unused);
     r.noise2 = s->scale * sigma_spread;
     r.wrong2 = r.stiffness * r.stiffness * s->relative2 + s->shift2 + bias2;
-    r.stiffness_std = sqrt(r.noise2 + r.wrong2);
+    r.stiffness_std = sqrt(r.noise2 + r.wrong2 + r.slope * r.slope * joint->read2);
     r.torque_variance = s->scale * torque_spread + r.torque * r.torque * s->relative2;
-    r.torque_variance += torque_bias2;
+    r.torque_variance += torque_bias2 + r.stiffness * r.stiffness * joint->read2;
     r.status = row->status;
     if (!evaluated || plain > joint->c.left * p->c.prior * prior) {
         r.status |= PRIOR;

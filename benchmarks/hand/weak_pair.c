@@ -9,6 +9,8 @@
 
 enum { TERMS = 4, TRANSMISSIONS = 2 };
 
+#include "poles.h"
+
 #include "guard.h"
 #include "transmission.h"
 #include "verdict.h"
@@ -57,7 +59,7 @@ static void evaluate(const joint_params *p, joint_state *s)
     double v[2 * P];
     for (int i = 0; i < 2; ++i) {
         transmission *t = &s->transmission[i];
-        renew(&p->transmission[i], &t->evidence, &t->ls, &t->row, &s->blocks, i * P, i * PROBES,
+        renew(p, &p->transmission[i], &t->evidence, &t->ls, &t->row, &s->blocks, i * P, i * PROBES,
               v + i * P);
     }
     relate(s, v);
@@ -111,18 +113,21 @@ static void read_part(const joint_params *p, joint_state *s, int i, told *r, int
     out->part_torque[i] = r->torque;
     out->part_dstiffness[i] = r->slope;
     out->part_deflection[i] = t->row.phi;
-    out->part_row_torque[i] = t->row.now[Y];
+    out->part_row_torque[i] = t->row.operator.now[Y];
     out->part_row_fit[i] = r->fit;
     memcpy(out->coefficients + i * P, t->ls.shrunk, sizeof t->ls.shrunk);
     memcpy(out->coefficients_std + i * P, t->evidence.std, sizeof t->evidence.std);
 }
 
-/* Noise with its correlation, systematic errors as if they added up. */
-static double total_std(double r, const told *a, const told *b)
+/* Noise with its correlation, systematic errors as if they added up, where the laws are read: the
+ * link's noise moves both deflections, each motor's its own. */
+static double total_std(const joint_params *p, double r, const told *a, const told *b)
 {
+    double both = a->slope + b->slope, apart = a->slope * a->slope + b->slope * b->slope;
+    double read2 = both * both * p->c.link2 + apart * p->c.motor2;
     double noise2 = a->noise2 + b->noise2 + 2.0 * r * sqrt(a->noise2 * b->noise2);
     double wrong2 = a->wrong2 + b->wrong2 + 2.0 * sqrt(a->wrong2 * b->wrong2);
-    return sqrt(fmax(noise2 + wrong2, 0.0));
+    return sqrt(fmax(noise2 + wrong2 + read2, 0.0));
 }
 
 /* The sign of what torques share follows the deflections: the worse of both. */
@@ -140,7 +145,7 @@ static void read_out(const joint_params *p, joint_state *s, double time, int cou
     const evidence *e = &s->transmission[0].evidence, *f = &s->transmission[1].evidence;
     int status = a.status | b.status;
     out->stiffness = a.stiffness + b.stiffness;
-    out->stiffness_std = total_std(s->correlation, &a, &b);
+    out->stiffness_std = total_std(p, s->correlation, &a, &b);
     out->torque = a.torque + b.torque;
     out->torque_std = total_torque_std(s->correlation, a.torque_variance, b.torque_variance);
     out->dstiffness = a.slope + b.slope;
