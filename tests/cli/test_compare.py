@@ -19,7 +19,7 @@ def test_the_table_tells_every_method_and_what_is_left_out(scene: Scene) -> None
     write_table(scene.log, log)
     done = run("compare", scene.log, "--device", scene.device, "--from", 2)
     assert done.code == 0
-    words = ("algebraic", "residual", "weak, window", "link", "MSREP %", "Left out", "Recommended")
+    words = ("algebraic", "residual", "weak, window", "link", "MSREP", "Left out", "Recommended")
     for word in words:
         assert word in done.out, word
     assert "weak, torque sensor, motor side: the log has no torque_measured." in done.out
