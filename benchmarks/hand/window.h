@@ -8,7 +8,7 @@
 enum { LENGTH = 199, EVERY = 20, WIDE_ROW = (SIGNALS + 3) / 4 * 4 };
 
 typedef struct {
-    double weight[LENGTH];                    /* newest first, as it comes */
+    double weight[LENGTH];                    /* oldest first */
 } operator_config;
 
 typedef struct {
@@ -23,9 +23,7 @@ typedef struct {
 
 static void prepare_operator(operator_params *p, const operator_config *c)
 {
-    for (int m = 0; m < LENGTH; ++m) {
-        p->weight[m] = c->weight[LENGTH - 1 - m];
-    }
+    memcpy(p->weight, c->weight, sizeof p->weight);
 }
 
 static void start_operator(operator_state *s)

@@ -62,7 +62,7 @@ def problem(
         P["operator"]["pole"] = math.exp(-cutoff * period)
         P["operator"]["order"], P["operator"]["settle"] = order, settle
     else:
-        P["operator"]["weight"][: window.length] = window.weights()
+        P["operator"]["weight"][: window.length] = window.weights()[::-1]
         P["operator"]["length"], P["operator"]["stride"] = window.length, window.every
     return stage, P
 

@@ -101,7 +101,7 @@ for i in range({p}):
     for j in range({p}):
         state.g[j] = 0.0
     state.g[i] = 1.0
-    variance = solver_spread(state, state.g)
+    variance = solver_spread(state, state.g, 0)
     if variance > out.largest:
         out.largest = variance"""
     kernels = {

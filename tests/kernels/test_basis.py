@@ -17,7 +17,7 @@ FULL = [0, 1, 2, 3]
 
 
 def evaluate(powers, setpoint_powers, phi, s):
-    m = max(*powers, *setpoint_powers) + 1
+    top = max(*powers, *setpoint_powers)
     p = record(
         basis.BasisParams,
         {"b": len(powers)},
@@ -28,7 +28,7 @@ def evaluate(powers, setpoint_powers, phi, s):
         setpoint_power=setpoint_powers,
         setpoint_order=max(setpoint_powers),
     )
-    state = record(basis.BasisState, {"b": len(powers), "m": m})
+    state = record(basis.BasisState, {"b": len(powers), "m": top + 1, "r": top + basis.ROOM})
     basis.evaluate(p, state, phi, s)
     return state
 
@@ -105,7 +105,7 @@ def test_the_lever_law_is_in_middle_and_half(angle):
     prepared = Estimator(device_from_tables(LEVER, "test"), period=1e-3).prepared[0]
     (part,) = prepared.parts
     p = part["rows"]["basis"]
-    state = record(basis.BasisState, {"b": 6, "m": 4})
+    state = record(basis.BasisState, {"b": 6, "m": 4, "r": basis.ROOM + 3})
     phi, arm, step = 0.013, 0.1 - 4e-4 * angle, 1e-30
     basis.evaluate(p, state, phi, angle)
     terms = list(zip(p["power"].tolist(), p["setpoint_power"].tolist(), strict=True))
@@ -128,7 +128,7 @@ def test_the_lever_law_is_in_middle_and_half(angle):
 def test_the_ends_of_the_setpoints_range_are_one():
     prepared = Estimator(device_from_tables(LEVER, "test"), period=1e-3).prepared[0]
     p = prepared.parts[0]["rows"]["basis"]
-    state = record(basis.BasisState, {"b": 6, "m": 4})
+    state = record(basis.BasisState, {"b": 6, "m": 4, "r": basis.ROOM + 3})
     for arm, s in ((0.06, -1.0), (0.09, 0.0), (0.12, 1.0)):
         basis.evaluate(p, state, SCALE, (0.1 - arm) / 4e-4)
         assert state.s.tolist() == pytest.approx([s**k for k in range(4)], rel=1e-12, abs=1e-14)

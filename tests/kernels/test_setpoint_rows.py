@@ -103,7 +103,7 @@ def test_residual_takes_the_setpoint_through_the_filter_of_the_angles():
     filters = kinematic.KinematicState.layout()
     state = nested(
         zero=rows.ZeroState.layout(),
-        terms=basis.BasisState.layout(**sizes, m=4),
+        terms=basis.BasisState.layout(**sizes, m=4, r=basis.ROOM + 3),
         residual=residual.ResidualState.layout(),
         link=filters,
         motor=filters,

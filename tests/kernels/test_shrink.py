@@ -135,7 +135,7 @@ def test_spread_and_multiply_are_dense_algebra(seed, sizes, data):
     c = np.random.default_rng([seed, 1]).standard_normal(p)
     P = naive.weighted(weight, case.covariances)
     scale = np.abs(case.covariances).max() * (c @ c)
-    found = shrink.spread(case.state, case.solver, c.tolist())
+    found = shrink.spread(case.state, case.solver, c.tolist(), 0)
     assert found == pytest.approx(c @ P @ c, rel=1e-8, abs=1e-10 * scale)
     # What is lost of zeta_m is lost along the column of U that carries it.
     columns = [case.covariances[m][:, m] / case.d[m] for m in range(p)]

@@ -135,7 +135,9 @@ def test_spread_and_multiply_are_those_of_the_dense_covariance(form):
     out = [0.0] * 4
     solver.module.multiply(solver.state, c.tolist(), out)
     np.testing.assert_allclose(out, P @ c, rtol=0.0, atol=1e-11 * P.max())  # rounding
-    assert solver.module.spread(solver.state, c.tolist()) == pytest.approx(c @ P @ c, rel=1e-9)
+    assert solver.module.spread(solver.state, c.tolist(), 0) == pytest.approx(c @ P @ c, rel=1e-9)
+    c[:2] = 0.0
+    assert solver.module.spread(solver.state, c.tolist(), 2) == pytest.approx(c @ P @ c, rel=1e-9)
 
 
 @BOTH

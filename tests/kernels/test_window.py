@@ -20,7 +20,7 @@ class Window:
 
     def __init__(self, weights, terms=1, *, stride=1, phase=0, room=64):
         self.params = plain(record(window.WindowParams, {"w": room}))
-        self.params.weight[: len(weights)] = list(map(float, weights))
+        self.params.weight[: len(weights)] = list(map(float, weights[::-1]))
         self.params.length, self.params.stride = len(weights), stride
         self.params.phase = phase
         self.state = plain(record(window.WindowState, {"w": room, "c": terms}))

@@ -26,7 +26,7 @@ def fill_operator(record: Any, operator: Operator, phase: int) -> None:
     """
     if operator.kind == WINDOW:
         record["length"] = operator.length
-        record["weight"][: operator.length] = operator.weights()
+        record["weight"][: operator.length] = operator.weights()[::-1]
         record["stride"] = operator.every
         record["phase"] = phase
     else:

@@ -18,7 +18,8 @@ from rotatum.runtime.stage import Stage
 LEARN = """solver_update(params.solver, state.solver, state.row.R, state.row.y)
 evidence_add(
     params.evidence, state.evidence, sums, state.row, state.solver, {terms}, at, probes
-)"""
+)
+{apply}"""
 
 ASSESS = """evidence_noise_level(state.evidence)
 {weigh}readout_read(state.row, {alpha}, out)
@@ -45,12 +46,12 @@ if level > 0.0:
     for i in range({columns}):
         if params.evidence.known[i] > 0.0:
             solver_anchor(state.solver, i, 0.0, params.evidence.known[i] / level)
-"""
+    {apply}"""
 
-DEVIATE = """sigma_spread = {spread}state.row.D)
+DEVIATE = """sigma_spread = {spread}state.row.D, {first})
 sigma_bias2 = {bias2}
 unshrunk = {unshrunk}
-torque_spread = {spread}state.row.F)
+torque_spread = {spread}state.row.F, {first})
 readout_deviations(
     params.readout, state.readout, state.evidence, sigma_spread, sigma_bias2, torque_spread,
     {bias2}, out
@@ -59,7 +60,7 @@ return readout_status_of(
     params.readout, state.evidence, params.evidence, state.row, unshrunk, out
 )"""
 
-TELL = """{apply}readout_read(state.row, {alpha}, out)
+TELL = """readout_read(state.row, {alpha}, out)
 status = deviate(params, state, out)
 wrong = state.evidence.wrong
 if status & {PRIOR} == 0:
@@ -143,6 +144,7 @@ def part_of(rows_stage: Stage, solver: Solver, terms: int, columns: int, shrunk:
         params["shrink"] = Field(shrink.ShrinkParams.layout())
         state["shrink"] = Field(shrink.ShrinkState.layout(p=p))
         init.append("shrink_init(params{0}.shrink, state{0}.shrink)")
+        init.append("shrink_apply(state{0}.shrink, state{0}.solver)")
     cites = tuple(dict.fromkeys((*rows_stage.cites, *solver.cites)))
     kernels = _kernels(rows_stage, solver)
     _write(kernels, name, terms, columns, shrunk)
@@ -152,6 +154,7 @@ def part_of(rows_stage: Stage, solver: Solver, terms: int, columns: int, shrunk:
 def _write(kernels: dict[str, Any], name: str, terms: int, columns: int, shrunk: bool) -> None:
     """Write the composed kernels of a part into ``kernels``; later ones call earlier ones."""
     words: dict[str, Any] = {"terms": terms, "columns": columns, "PRIOR": PRIOR}
+    words["first"] = columns - terms
     words |= SHRUNK if shrunk else PLAIN
     words["renew"] = RENEW.format(**words)
     for signature, text in (

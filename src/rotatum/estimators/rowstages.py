@@ -40,7 +40,7 @@ def rows_stage(shape: Shape) -> Stage:
 def _weak(shape: Shape) -> Stage:
     p, b = shape.columns, shape.terms
     sensor = shape.torque in ("sensor", "model")
-    terms = basis.BasisState.layout(b=b, m=shape.powers + 1)
+    terms = basis.BasisState.layout(b=b, m=shape.powers + 1, r=shape.powers + basis.ROOM)
     params = {
         "zero": rows.ZeroParams.layout(),
         "basis": basis.BasisParams.layout(b=b),
@@ -62,7 +62,7 @@ def _weak(shape: Shape) -> Stage:
 def _link(shape: Shape) -> Stage:
     pair = shape.actuation == "antagonistic"
     p, b = shape.columns, shape.terms // (2 if pair else 1)
-    terms = basis.BasisState.layout(b=b, m=shape.powers + 1)
+    terms = basis.BasisState.layout(b=b, m=shape.powers + 1, r=shape.powers + basis.ROOM)
     moment = link.LinkMoment.layout(p=p)
     params = {
         "zero": rows.ZeroParams.layout(),
@@ -135,7 +135,7 @@ def _residual(shape: Shape) -> Stage:
     }
     state = {
         "zero": rows.ZeroState.layout(),
-        "terms": basis.BasisState.layout(b=b, m=shape.powers + 1),
+        "terms": basis.BasisState.layout(b=b, m=shape.powers + 1, r=shape.powers + basis.ROOM),
         "residual": residual.ResidualState.layout(),
         "link": filters,
         "motor": filters,

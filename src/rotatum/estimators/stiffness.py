@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from rotatum.estimators.part import PLAIN, SHRUNK, Part, part_of
 from rotatum.estimators.solvers import Solver
 from rotatum.kernels import blocks, both, evidence, pair, readout
@@ -63,7 +65,7 @@ TELL_BOTH = """tell(params, state, time, counted, state.reading)
 both_read(state.reading, state.row, out)
 for i in range(2):
     both_mask(state.row, {terms}, i, state.mask)
-    part_spread = {spread}state.mask)
+    part_spread = {spread}state.mask, {first})
     both_part(
         params.readout, state.evidence, state.reading, state.row, part_spread, {bias2}, {terms},
         i, out
@@ -176,7 +178,9 @@ def together_stage(
         terms: of both bases, in turns, agonist first.
     """
     part = part_of(rows_stage, solver, terms, columns, shrunk)
-    name, words = f"both_{part.name}", {"terms": terms, **(SHRUNK if shrunk else PLAIN)}
+    name = f"both_{part.name}"
+    words: dict[str, Any] = {"terms": terms, "first": columns - terms}
+    words |= SHRUNK if shrunk else PLAIN
     params = Layout(f"{name}_params", _doc(part), {**part.params, "sums": _sums_params()})
     state = Layout(
         f"{name}_state",

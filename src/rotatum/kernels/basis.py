@@ -6,6 +6,9 @@ from typing import Any
 
 from rotatum.record import Record, integer, number, vector
 
+ROOM = 3
+"""What the powers of the deflection take beyond the highest one."""
+
 
 class BasisParams(Record):
     """``F_h = x^i_h s^j_h``, x and s scaled by their declared ranges."""
@@ -21,7 +24,7 @@ class BasisParams(Record):
 class BasisState(Record):
     """The terms and their derivatives at one deflection and set-point."""
 
-    x = vector("m", "powers 0, 1, ... of the scaled deflection")
+    x = vector("r", "0, 0, then powers 0, 1, ... of the scaled deflection")
     s = vector("m", "powers 0, 1, ... of the scaled set-point")
     F = vector("b", "terms", symbol="F")
     D = vector("b", "first derivative with respect to deflection", unit="1/rad", symbol="F_phi")
@@ -37,18 +40,17 @@ def evaluate(params: Any, state: Any, phi: float, setpoint: float) -> None:
     """
     rate = 1.0 / params.scale
     x = phi * rate
-    state.x[0] = 1.0
-    for i in range(1, len(state.x)):
+    # Powers below 0 only ever stand beside a factor of 0: no term needs a branch.
+    state.x[0] = 0.0
+    state.x[1] = 0.0
+    state.x[2] = 1.0
+    for i in range(3, len(state.x)):
         state.x[i] = state.x[i - 1] * x
     for h in range(len(state.F)):
         i = params.power[h]
-        state.F[h] = state.x[i]
-        state.D[h] = 0.0
-        state.H[h] = 0.0
-        if i >= 1:
-            state.D[h] = i * state.x[i - 1] * rate
-        if i >= 2:
-            state.H[h] = i * (i - 1) * state.x[i - 2] * rate * rate
+        state.F[h] = state.x[i + 2]
+        state.D[h] = i * state.x[i + 1] * rate
+        state.H[h] = i * (i - 1) * state.x[i] * rate * rate
     if params.setpoint_order > 0:
         _setpoint(params, state, setpoint)
 

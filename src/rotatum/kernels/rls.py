@@ -78,10 +78,10 @@ def anchor(state: Any, j: int, value: float, variance: float) -> None:
     _absorb(state, value - state.alpha[j], variance + state.P[j, j])
 
 
-def spread(state: Any, c: Any) -> float:
-    """Return ``c^T P c``, 0 where rounding has made P indefinite."""
+def spread(state: Any, c: Any, first: int) -> float:
+    """Return ``c^T P c`` for c that is 0 before ``first``; 0 where rounding made P indefinite."""
     total = 0.0
-    for i in range(len(state.g)):
+    for i in range(first, len(state.g)):
         total = total + c[i] * c[i] * state.P[i, i]
         for j in range(i + 1, len(state.g)):
             total = total + 2.0 * c[i] * c[j] * state.P[i, j]

@@ -111,8 +111,9 @@ def _believed(z2: float, V: float, threshold: float) -> float:
     return 1.0 / (1.0 + r * r * r)
 
 
-def spread(state: Any, solver: Any, c: Any) -> float:
-    """Return ``c^T U diag(w d) U^T c``, P with the prior the weights stand for.
+def spread(state: Any, solver: Any, c: Any, first: int) -> float:
+    """Return ``c^T U diag(w d) U^T c``, P with the prior the weights stand for; c is 0 before
+    ``first``.
 
     Sets ``bias2``, and ``unshrunk``: a direction the data have never seen looks sure once its
     weights are 0, and only that says it is not.
@@ -120,9 +121,9 @@ def spread(state: Any, solver: Any, c: Any) -> float:
     total = 0.0
     bias2 = 0.0
     unshrunk = 0.0
-    for j in range(len(state.alpha)):
+    for j in range(first, len(state.alpha)):
         s = c[j]
-        for i in range(j):
+        for i in range(first, j):
             s = s + solver.U[i, j] * c[i]
         own = solver.d[j] * s * s
         total = total + state.weight[j] * own

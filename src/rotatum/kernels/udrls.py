@@ -87,12 +87,12 @@ def anchor(state: Any, j: int, value: float, variance: float) -> None:
     _absorb(state, value - state.alpha[j], variance)
 
 
-def spread(state: Any, c: Any) -> float:
-    """Return ``c^T P c``."""
+def spread(state: Any, c: Any, first: int) -> float:
+    """Return ``c^T P c`` for c that is 0 before ``first``."""
     total = 0.0
-    for j in range(len(state.d)):
+    for j in range(first, len(state.d)):
         s = c[j]
-        for i in range(j):
+        for i in range(first, j):
             s = s + state.U[i, j] * c[i]
         total = total + state.d[j] * s * s
     return total

@@ -20,7 +20,7 @@ from rotatum.record import Record, integer, matrix, vector
 class WindowParams(Record):
     """A window on the grid."""
 
-    weight = vector("w", "newest first, 0 beyond the window's length", symbol="w")
+    weight = vector("w", "oldest first, 0 beyond the window's length", symbol="w")
     length = integer("terms under the window")
     stride = integer("samples from one row to the next")
     phase = integer("samples by which this joint's rows come later than the first's")
@@ -78,16 +78,20 @@ def push(params: Any, state: Any, raw: Any) -> None:
 
 def _weigh(params: Any, state: Any) -> None:
     """Sum from the oldest to the newest, in two stretches of the ring."""
+    # An index that might be negative would be looked at twice at every term.
+    head = state.head
+    if head < 0:
+        head = 0
+    old = params.length - head
+    if old < 0:
+        old = 0
     for i in range(len(state.value)):
         state.value[i] = 0.0
-    m = params.length - 1
-    for row in range(state.head, params.length):
+    for m in range(old):
         w = params.weight[m]
         for i in range(len(state.value)):
-            state.value[i] = state.value[i] + w * state.ring[row, i]
-        m = m - 1
-    for row in range(state.head):
-        w = params.weight[m]
+            state.value[i] = state.value[i] + w * state.ring[head + m, i]
+    for m in range(head):
+        w = params.weight[old + m]
         for i in range(len(state.value)):
-            state.value[i] = state.value[i] + w * state.ring[row, i]
-        m = m - 1
+            state.value[i] = state.value[i] + w * state.ring[m, i]
