@@ -127,9 +127,10 @@ def _print(found: Comparison) -> None:
     table = table_of(*head, title=title, numbers=numbers)
     table.padding = (0, 1, 0, 0)
     verdict = head.index(VERDICT)
-    # A narrow terminal folds the other columns.
-    for place in range(verdict + 1):
-        table.columns[place].no_wrap = True
+    # A narrow terminal folds the other columns, but no word of their titles.
+    for place, column in enumerate(table.columns):
+        column.no_wrap = place <= verdict
+        column.min_width = max(map(len, head[place].split()))
     for row in rows:
         table.add_row(*row[:verdict], verdict_text(row[verdict]), *row[verdict + 1 :])
     console = stdout()
