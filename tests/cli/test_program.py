@@ -13,7 +13,7 @@ from tests.cli.conftest import Scene
 from tests.cli.runs import MAIN, run, spawn
 
 HEAVY = ("numba", "scipy", "plotly", "pydantic", "pyarrow", "h5py", "numpy")
-VERBS = ("estimate", "compare", "demo", "devices", "export", "reproduce")
+VERBS = ("estimate", "compare", "characterise", "demo", "devices", "export", "reproduce")
 
 
 def test_help_loads_nothing_heavy() -> None:

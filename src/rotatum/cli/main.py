@@ -6,7 +6,17 @@ from typing import Annotated
 
 import typer
 
-from rotatum.cli import compare, demo, devices, estimate, export, reproduce, simulate, sweep
+from rotatum.cli import (
+    characterise,
+    compare,
+    demo,
+    devices,
+    estimate,
+    export,
+    reproduce,
+    simulate,
+    sweep,
+)
 from rotatum.cli.failures import Verbs
 
 __all__ = ["app", "main"]
@@ -51,6 +61,7 @@ def _program(
 
 app.command("estimate")(estimate.estimate)
 app.command("compare")(compare.compare)
+app.command("characterise")(characterise.characterise)
 app.command("demo")(demo.demo)
 app.command("simulate")(simulate.simulate)
 app.command("sweep")(sweep.sweep)

@@ -7,6 +7,7 @@ from rotatum.models.joint import FIT_QUANTITIES, EstimatorSettings, Joint
 from rotatum.models.laws import LAWS, Law
 from rotatum.models.parts import Basis, Encoders, Link, Motor, Setpoint
 from rotatum.models.quantity import Uncertain
+from rotatum.models.robot.cartesian import CartesianStiffness, cartesian_stiffness
 from rotatum.models.robot.description import RobotTable
 from rotatum.models.transmission import Transmission
 from rotatum.models.units import Unit, find_unit, unit_names
@@ -17,6 +18,7 @@ __all__ = [
     "ROLES",
     "Accelerometer",
     "Basis",
+    "CartesianStiffness",
     "Channel",
     "Device",
     "Encoders",
@@ -31,6 +33,7 @@ __all__ = [
     "Transmission",
     "Uncertain",
     "Unit",
+    "cartesian_stiffness",
     "device_from_tables",
     "device_names",
     "find_unit",

@@ -48,6 +48,13 @@ _ALL = (
         "the stability factor of flacco2012",
     ),
     Reference(
+        "ciblak1994",
+        "N. Ciblak, H. Lipkin",
+        "Asymmetric Cartesian stiffness for the modelling of compliant robotic systems",
+        "ASME Design Engineering Technical Conferences, 197-204, 1994",
+        "why a stiffness in space need not be symmetric",
+    ),
+    Reference(
         "deluca2007",
         "A. De Luca, D. Schröder, M. Thümmel",
         "An acceleration-based state observer for robot manipulators with elastic joints",
@@ -104,6 +111,13 @@ _ALL = (
         "On the analysis of linear and nonlinear systems",
         "Transactions of the ASME 79, 547-552, 1957",
         "modulating functions",
+    ),
+    Reference(
+        "sundaram2008",
+        "S. Sundaram, C. N. Hadjicostis",
+        "Partial state observers for linear systems with unknown inputs",
+        "Automatica 44(12), 3126-3132, 2008",
+        "existence and design of delayed unknown-input observers",
     ),
     Reference(
         "trumic2022",

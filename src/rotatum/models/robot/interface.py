@@ -45,7 +45,7 @@ class FrameMotion(NamedTuple):
 
 
 class Robot(ABC):
-    """A serial arm of rigid links: ``M(q) q'' + C(q, q') q' + g(q) = tau``.
+    """A serial arm of rigid links on joints that turn: ``M(q) q'' + C(q, q') q' + g(q) = tau``.
 
     C is that of the Christoffel symbols, so that ``C + C^T = dM/dt``. All angles at the joints,
     (n,) rad; torques (n,) N m. Rotors and their gears are not in it.
@@ -85,8 +85,12 @@ class Robot(ABC):
         """Return dM/dt along the motion, (n, n) kg m^2/s."""
 
     @abstractmethod
+    def gravity_gradient(self, q: Array) -> Array:
+        """Return dg/dq, (n, n) N m/rad: row i is of g_i."""
+
     def gravity_rate(self, q: Array, dq: Array) -> Array:
         """Return dg/dt along the motion, (n,) N m/s."""
+        return self.gravity_gradient(q) @ dq
 
     @abstractmethod
     def coriolis_rate(self, q: Array, dq: Array, ddq: Array) -> Array:
@@ -119,6 +123,28 @@ class Robot(ABC):
     @abstractmethod
     def jacobian(self, frame: str, q: Array) -> Array:
         """Return the (6, n) Jacobian of a frame's origin: velocity, then angular velocity."""
+
+    def wrench_gradient(self, frame: str, q: Array, wrench: Array) -> Array:
+        """Return d(J^T w)/dq at a constant wrench, J_q^T f of trumic2022's Remark 2.
+
+        Of the unit axes z and the velocities v of the frame, the columns of J: dv_j/dq_i is
+        ``z_a x v_b`` with a the nearer to the base of i and j, and b the other; dz_j/dq_i is
+        ``z_i x z_j`` for i < j, else 0. Symmetric in a force, and not in a moment.
+
+        Parameters
+        ----------
+        wrench : (6,) force [N] at the frame's origin and moment [N m], in the world's axes.
+
+        Returns
+        -------
+        (n, n) N m/rad: row j is of the torque at joint j.
+        """
+        jacobian = self.jacobian(frame, q)
+        velocities, axes = jacobian[:3].T, jacobian[3:].T
+        by_force = axes @ np.cross(velocities, wrench[:3]).T
+        by_moment = axes @ np.cross(axes, wrench[3:]).T
+        gradient: Array = np.triu(by_force) + np.triu(by_force + by_moment, 1).T
+        return gradient
 
     @abstractmethod
     def motion(self, frame: str, q: Array, dq: Array, ddq: Array) -> FrameMotion:

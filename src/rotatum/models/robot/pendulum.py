@@ -74,11 +74,10 @@ class Pendulum(PlanarArm):
         """Return g(q), (1,) N m."""
         return np.array([self._torque(float(q[0]))])
 
-    def gravity_rate(self, q: Array, dq: Array) -> Array:
-        """Return dg/dt along the motion, (1,) N m/s."""
+    def gravity_gradient(self, q: Array) -> Array:
+        """Return dg/dq, (1, 1) N m/rad."""
         body, angle = self.bodies[0], float(q[0])
-        slope = self.field * (body.along * cos(angle) - body.across * sin(angle))
-        return np.array([slope * float(dq[0])])
+        return np.array([[self.field * (body.along * cos(angle) - body.across * sin(angle))]])
 
     def accelerate(self, q: Array, dq: Array, torque: Array) -> Array:
         """Return q'' = (torque - g) / M, (1,) rad/s^2."""

@@ -111,15 +111,14 @@ class Planar(PlanarArm):
         """Return g(q), (2,) N m."""
         return np.array(self._torques(float(q[0]), float(q[1])))
 
-    def gravity_rate(self, q: Array, dq: Array) -> Array:
-        """Return dg/dt along the motion, (2,) N m/s."""
+    def gravity_gradient(self, q: Array) -> Array:
+        """Return dg/dq, (2, 2) N m/rad."""
         one, two = self.bodies
         s1, s2 = float(q[0]), float(q[0] + q[1])
-        v1, v2 = float(dq[0]), float(dq[0] + dq[1])
-        second = self.field * (two.along * cos(s2) - two.across * sin(s2)) * v2
+        second = self.field * (two.along * cos(s2) - two.across * sin(s2))
         weight = one.along + two.mass * self.lengths[0]
-        first = self.field * (weight * cos(s1) - one.across * sin(s1)) * v1
-        return np.array([first + second, second])
+        first = self.field * (weight * cos(s1) - one.across * sin(s1))
+        return np.array([[first + second, second], [second, second]])
 
     def bias(self, q: Array, dq: Array) -> Array:
         """Return C(q, q') q' + g(q), (2,) N m."""

@@ -129,10 +129,10 @@ class UrdfRobot(Robot):
         c: Array = self._pin.computeCoriolisMatrix(self._model, self._data, q, dq)
         return c + c.T
 
-    def gravity_rate(self, q: Array, dq: Array) -> Array:
-        """Return dg/dt along the motion, (n,) N m/s."""
+    def gravity_gradient(self, q: Array) -> Array:
+        """Return dg/dq, (n, n) N m/rad."""
         slope: Array = self._pin.computeGeneralizedGravityDerivatives(self._model, self._data, q)
-        return slope @ dq
+        return slope.copy()
 
     def coriolis_rate(self, q: Array, dq: Array, ddq: Array) -> Array:
         """Return (dC/dt) q' = d(C q')/dt - C q'', (n,) N m/s."""

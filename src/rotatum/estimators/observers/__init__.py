@@ -1,0 +1,1 @@
+"""Linear observers of systems with unknown inputs: design, noise, bandwidth, stage."""

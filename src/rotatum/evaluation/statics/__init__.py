@@ -1,0 +1,1 @@
+"""Static characterisation: an elastic law fitted to a torque sensor (trumic2022 section V-A)."""
