@@ -46,7 +46,7 @@ if level > 0.0:
     for i in range({columns}):
         if params.evidence.known[i] > 0.0:
             solver_anchor(state.solver, i, 0.0, params.evidence.known[i] / level)
-    {apply}"""
+{anchored}"""
 
 DEVIATE = """sigma_spread = {spread}state.row.D, {first})
 sigma_bias2 = {bias2}
@@ -79,6 +79,7 @@ PLAIN = {
     "bias2": "0.0",
     "unshrunk": "sigma_spread",
     "apply": "",
+    "anchored": "",
     "weigh": "",
 }
 SHRUNK = {
@@ -87,7 +88,8 @@ SHRUNK = {
     "spread": "shrink_spread(state.shrink, state.solver, ",
     "bias2": "state.shrink.bias2",
     "unshrunk": "state.shrink.unshrunk",
-    "apply": "shrink_apply(state.shrink, state.solver)\n",
+    "apply": "shrink_apply(state.shrink, state.solver)",
+    "anchored": "    shrink_apply(state.shrink, state.solver)\n",
     "weigh": "shrink_weigh(\n    params.shrink, state.shrink, state.solver, "
     "state.evidence.variance, sums, at\n)\n",
 }
