@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rotatum.estimators.armfront import arm_stage, load_provider
+from rotatum.estimators.armfront import arm_stage
+from rotatum.estimators.armterms import load_provider
 from rotatum.estimators.estimator import Estimator
 from rotatum.kernels.status import NOT_FINITE, REJECTED
 from rotatum.models import device_from_tables

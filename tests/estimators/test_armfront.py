@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rotatum.estimators import Estimator
-from rotatum.estimators.armfront import load_provider
+from rotatum.estimators.armterms import load_provider
 from rotatum.kernels.status import BRIDGED, GAP, NOT_FINITE, RESTARTED
 from rotatum.models import device_from_tables
 from rotatum.models.robot.planar import Planar

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from rotatum.estimators.armfront import load_provider
+from rotatum.estimators.armterms import load_provider
 from rotatum.estimators.gains import steady_gains
 from rotatum.kernels import kinematic, link, rows
 from rotatum.models.robot.pendulum import Pendulum

@@ -33,6 +33,7 @@ UNITS: dict[str, str] = {
     "encoders.wrap_motor": "rad",
     "basis.deflection_range": "rad",
     "estimator.cutoff": "rad/s",
+    "estimator.selective": "rad/s",
     "estimator.window": "s",
     "estimator.period": "s",
 }

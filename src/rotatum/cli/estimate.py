@@ -17,6 +17,7 @@ from rotatum.cli.options import (
     Json,
     Method,
     Order,
+    Selective,
     Shrinkage,
     Side,
     Solver,
@@ -44,6 +45,7 @@ def estimate(
     forgetting: Forgetting = None,
     solver: Solver = None,
     shrinkage: Shrinkage = None,
+    selective: Selective = None,
     joint: Joints = None,
     start: Annotated[
         float | None,
@@ -91,6 +93,7 @@ def estimate(
             forgetting=forgetting,
             solver=solver,
             shrinkage=shrinkage,
+            selective=selective,
             joints=joint or None,
             start=start,
             output=output,

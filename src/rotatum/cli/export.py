@@ -17,6 +17,7 @@ from rotatum.cli.options import (
     Json,
     Method,
     Order,
+    Selective,
     Shrinkage,
     Side,
     Solver,
@@ -52,6 +53,7 @@ def c(
     forgetting: Forgetting = None,
     solver: Solver = None,
     shrinkage: Shrinkage = None,
+    selective: Selective = None,
     joint: Joints = None,
     period: Annotated[
         float | None,
@@ -97,6 +99,7 @@ def c(
             forgetting=forgetting,
             solver=solver,
             shrinkage=shrinkage,
+            selective=selective,
             holds=holds_of(robot, opened),
             zeros=zeros_of(robot, opened),
         )

@@ -15,6 +15,7 @@ __all__ = [
     "Json",
     "Method",
     "Order",
+    "Selective",
     "Shrinkage",
     "Side",
     "Solver",
@@ -43,7 +44,11 @@ Torque = Annotated[
     typer.Option(help="estimated (from the motor), sensor, or model (the device's own law)."),
 ]
 Cutoff = Annotated[
-    float | None, typer.Option(help="Bandwidth of the low-pass rows go through, rad/s; or")
+    float | None,
+    typer.Option(
+        help="Bandwidth of the low-pass rows go through, rad/s (rotatum: of its observer, inf is "
+        "deadbeat); or"
+    ),
 ]
 Window = Annotated[
     float | None,
@@ -56,7 +61,7 @@ Order = Annotated[
     int | None,
     typer.Option(
         help="Poles of the low-pass, 2 or 3 (else 2, on the link side 3); power of the window, "
-        "2 to 5 (else 3)."
+        "2 to 5 (else 3); samples by which the observer of rotatum is late."
     ),
 ]
 Stride = Annotated[
@@ -80,6 +85,13 @@ Shrinkage = Annotated[
     typer.Option(
         help="Shrink high orders of the law as far as the data do not ask for them; else the "
         "device file's, else yes with solver ud."
+    ),
+]
+Selective = Annotated[
+    float | None,
+    typer.Option(
+        help="Learn nothing while the link is slower than this, rad/s: static friction, "
+        "co-contraction; else the device file's, else 0."
     ),
 ]
 Joints = Annotated[

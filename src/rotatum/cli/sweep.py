@@ -19,6 +19,7 @@ from rotatum.cli.options import (
     Json,
     Method,
     Order,
+    Selective,
     Shrinkage,
     Side,
     Solver,
@@ -66,6 +67,7 @@ def sweep(
     forgetting: Forgetting = None,
     solver: Solver = None,
     shrinkage: Shrinkage = None,
+    selective: Selective = None,
     start: Annotated[
         float | None,
         typer.Option("--from", help="Score from this many seconds on; else once converged."),
@@ -114,6 +116,7 @@ def sweep(
         forgetting=forgetting,
         solver=solver,
         shrinkage=shrinkage,
+        selective=selective,
         start=start,
     )
     varied = [sweeps.parse_vary(text) for text in vary or ()]

@@ -1,20 +1,19 @@
-"""What an arm knows before its joints: good samples, link velocities, momentum and forces."""
+"""What an arm knows before its joints: good samples, and what its dynamics say of them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rotatum.errors import MethodError, check_names
+from rotatum.estimators.armterms import arm_terms
 from rotatum.estimators.shapes import roles
 from rotatum.estimators.tuning import MISSING, Prepared, fill_guard
 from rotatum.kernels import arm, guard
 from rotatum.models import Device
-from rotatum.models.robot.interface import Robot
 from rotatum.record import Field, Layout, Records
 from rotatum.runtime.bank import Bank
 from rotatum.runtime.stage import Stage
@@ -22,49 +21,6 @@ from rotatum.runtime.stage import Stage
 Array = NDArray[np.float64]
 FIELDS = {"q": "q", "theta": "theta", "theta1": "theta", "theta2": "theta2", "setpoint": "setpoint"}
 """Role of a channel to the field of ``ArmSample`` it goes to."""
-
-
-class Load(NamedTuple):
-    """What the arm's dynamics say at one instant, all (n,).
-
-    Args:
-        momentum: ``p = M(q) q'``, N m s.
-        force: ``C^T q' - g``, N m.
-        payload_momentum, payload_force: what 1 kg at the payload's frame adds to them.
-    """
-
-    momentum: Array
-    force: Array
-    payload_momentum: Array
-    payload_force: Array
-
-
-Provider = Callable[[Array, Array], Load]
-"""Link positions and velocities, (n,) each, to the load."""
-
-
-def load_provider(robot: Robot, payload: Robot | None) -> Provider:
-    """Return the load of an arm: ``p' - C^T q' + g`` is what its links ask of the joints.
-
-    Args:
-        robot: the arm as known.
-        payload: the same arm with 1 kg where a payload is fitted; None: none is.
-    """
-    none = np.zeros(robot.size)
-
-    def load(q: Array, dq: Array) -> Load:
-        momentum = robot.mass(q) @ dq
-        force = robot.coriolis_transposed(q, dq) - robot.gravity(q)
-        if payload is None:
-            return Load(momentum, force, none, none)
-        return Load(
-            momentum,
-            force,
-            payload.mass(q) @ dq - momentum,
-            payload.coriolis_transposed(q, dq) - payload.gravity(q) - force,
-        )
-
-    return load
 
 
 @lru_cache(maxsize=16)
@@ -90,7 +46,7 @@ class ArmFront:
     """The whole-arm half of estimating from the link side.
 
     A sample goes through the guard once; those that were missing before it are filled in; each
-    gets the arm's momentum and forces two samples ago, and is then handed to the joints.
+    gets what the arm's dynamics say, and is then handed to the joints.
 
     Args:
         device: with a robot.
@@ -106,7 +62,7 @@ class ArmFront:
         assert robot is not None  # settings tell arms from pendulums by it
         self.prepared = tuple(prepared)
         self.roles = [roles(p.joint.actuation, "estimated", "link") for p in prepared]
-        self.provider = load_provider(robot, _with_payload(device, robot, prepared))
+        self.terms = arm_terms(device, robot, prepared)
         stage = arm_stage(len(prepared))
         params = stage.params.zeros(1)
         for i, p in enumerate(prepared):
@@ -123,6 +79,7 @@ class ArmFront:
     def reset(self) -> None:
         """Forget everything."""
         self.bank.reset()
+        self.terms.reset()
 
     def put(self, role: str, places: NDArray[np.intp], values: Any) -> None:
         """Put one sample of a channel of some joints where ``advance`` reads it."""
@@ -183,28 +140,5 @@ class ArmFront:
             return
         for field in ("q", "theta", "theta2", "setpoint"):
             target[field] = one[field][k]
-        if one["known"][k]:
-            load = self.provider(one["q_past"][k], one["dq_past"][k])
-            target["momentum"], target["force"] = load.momentum, load.force
-            target["payload_momentum"] = load.payload_momentum
-            target["payload_force"] = load.payload_force
         target["fresh"] = one["fresh"] if k == 0 else 0
-
-
-def _with_payload(device: Device, robot: Robot, prepared: Sequence[Prepared]) -> Robot | None:
-    """The arm with 1 kg where a payload is fitted; None: none is."""
-    fitting = [p.joint.estimator for p in prepared if "payload" in p.settings.fit]
-    if not fitting:
-        return None
-    places = {(own.payload_frame, own.payload_position) for own in fitting}
-    if len(places) > 1:
-        raise MethodError(
-            "an arm carries its payload at one place",
-            where=device.source,
-            value=sorted(map(str, places)),
-        )
-    frame, position = places.pop()
-    if frame is not None:
-        what = "the arm has no such frame for its payload"
-        check_names([frame], robot.frames, what=what, where=device.source)
-    return robot.with_payload(frame or robot.frames[-1], 1.0, position or (0.0, 0.0, 0.0))
+        self.terms.fill(target, one, k)

@@ -24,6 +24,7 @@ def joint_stage(shape: Shape) -> Stage:
         terms=shape.terms,
         columns=shape.columns,
         shrunk=shape.shrunk,
+        selective=shape.selective,
     )
     if shape.arm:
         return linked(inner)

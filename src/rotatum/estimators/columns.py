@@ -45,14 +45,13 @@ def powers_of(joint: Joint, method: str = "weak", together: bool = False) -> tup
 
     Args:
         joint: as described.
-        method: ``algebraic`` sees no constant (menard2013 eq. 18 starts from phi^1), nor what
-            depends on the set-point alone.
+        method: ``algebraic`` and ``rotatum`` see no constant (menard2013 eq. 18 starts from phi^1).
         together: whether two transmissions share a row: each term comes twice, agonist's first.
     """
     basis = joint.basis
     own = range(basis.orders) if basis.full else range(1, 2 * basis.orders, 2)
     found = [Power(i, j) for i in own for j in range(basis.setpoint_orders + 1)]
-    if method == "algebraic":
+    if method in ("algebraic", "rotatum"):
         found = [power for power in found if power != Power(0, 0)]
     ordered = sorted(found, key=lambda power: (sum(power), power.deflection))
     return tuple(power for power in ordered for _ in range(2 if together else 1))

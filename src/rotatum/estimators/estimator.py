@@ -44,6 +44,7 @@ class Estimator:
         forgetting: weight of a row relative to the next one, 0.998 to 1.
         solver: ``"ud"`` or ``"covariance"``.
         shrinkage: whether high orders are shrunk as far as the data do not ask for them.
+        selective: link speed below which nothing is learnt, rad/s; 0: all is.
         measured: joint to what is known of its signals' noise; what the encoders' counts make is
             known anyway.
         holds: joint to role to ``"held"`` or ``"sampled"``; ``None``: the device's channels.
@@ -70,6 +71,7 @@ class Estimator:
         forgetting: float | None = None,
         solver: str | None = None,
         shrinkage: bool | None = None,
+        selective: float | None = None,
         measured: Mapping[str, Measured] | None = None,
         holds: Mapping[str, Mapping[str, str]] | None = None,
         zeros: Mapping[str, Sequence[float]] | None = None,
@@ -89,6 +91,7 @@ class Estimator:
             forgetting=forgetting,
             solver=solver,
             shrinkage=shrinkage,
+            selective=selective,
         )
         self.device = device
         self.period = float(period)

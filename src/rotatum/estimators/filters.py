@@ -5,13 +5,17 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from rotatum.errors import MethodError
 from rotatum.estimators.gains import steady_gains, velocity_std
+from rotatum.estimators.observers.stage import fill_observer
 from rotatum.estimators.operators import WINDOW, Operator
 from rotatum.estimators.settings import Settings
 from rotatum.kernels.link import AHEAD
 from rotatum.models import Joint
 
 SLOW = 0.01  # rad/s at which the motor should move by a count in the span of the velocity
+QUICK, SLUGGISH = 100.0, 5.0  # rad/s, bandwidth of the velocity that tells a standstill
+STARTED = 1e-4  # of the start's error may be left in an observer's first row
 SETTLE = 12.0  # time constants until what is not smooth at a start has left the rows
 REST = 1e-3  # rad/s below which Coulomb friction has no sign, however good the encoder
 
@@ -74,6 +78,34 @@ def fill_link(record: Any, joint: Joint, arm: bool, period: float) -> None:
         record["gravity"] = joint.link.gravity_torque
 
 
+def fill_rotatum(
+    record: Any, joint: Joint, operator: Operator, arm: bool, notes: dict[str, str]
+) -> None:
+    """Fill ``RotatumParams`` and ``UnknownInputParams``.
+
+    Args:
+        record: holds both, ``rotatum`` and ``observer``.
+        joint: whose link.
+        operator: the observer.
+        arm: whether inertia and gravity are the arm's.
+        notes: filled in.
+    """
+    fill_observer(record["observer"], operator.observer.recursion, "rotatum", STARTED)
+    own = record["rotatum"]
+    own["arm"] = int(arm)
+    if joint.link is None:
+        return
+    own["damping"] = joint.link.damping.value
+    if not arm:
+        assert joint.link.inertia is not None  # settings were refused without it
+        own["inertia"] = joint.link.inertia.value
+        own["gravity"] = joint.link.gravity_torque
+    if joint.link.coulomb.value != 0.0:
+        notes["friction"] = (
+            "the link's Coulomb friction is constant but where it changes sign: no part of a rate"
+        )
+
+
 def _samples(seconds: float, period: float) -> int:
     """Return how many periods it takes; a period read back from a file is off by its rounding."""
     return math.ceil(seconds / period - 1e-9)
@@ -99,6 +131,38 @@ def fill_friction(
         f"sign of the velocity across +-{delay} samples, linear below {record['width']:.3g} rad/s; "
         f"rows lag by {1e3 * delay * period:.3g} ms"
     )
+
+
+def fill_gate(record: Any, joint: Joint, settings: Settings, notes: dict[str, str]) -> None:
+    """Fill ``GateParams``: a velocity as quick as the encoder's counts allow at that speed.
+
+    Raises:
+        MethodError: no velocity that the encoder gives is as sure as that.
+    """
+    period, low = settings.operator.period, settings.selective
+    resolution = math.sqrt(12.0) * settings.noise[0]
+    bandwidth = min(QUICK, 1.0 / period)
+    while bandwidth > SLUGGISH and 3.0 * velocity_std(bandwidth, period, resolution) > 0.5 * low:
+        bandwidth *= 0.8
+    velocity = record["velocity"]
+    velocity["period"] = period
+    gains = steady_gains(bandwidth, period)
+    velocity["position_gain"], velocity["velocity_gain"] = gains
+    record["low"], record["high"] = low, 2.0 * low
+    record["span"] = _samples(2.0 * settings.operator.delay, period)
+    record["hold"] = _samples(1.0, period)
+    notes["selective"] = (
+        f"nothing is learnt from when the link is slower than {low:g} rad/s until it has been "
+        f"faster than {2.0 * low:g} rad/s for {1e3 * record['span'] * period:.3g} ms; velocity of "
+        f"bandwidth {bandwidth:.3g} rad/s"
+    )
+    if 3.0 * velocity_std(bandwidth, period, resolution) > low:
+        raise MethodError(
+            "the encoder does not tell such a speed from a standstill",
+            where=f"joint {joint.name}, selective",
+            value=low,
+            allowed=f"{3.0 * velocity_std(bandwidth, period, resolution):.2g} rad/s or more",
+        )
 
 
 def fill_residual(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rotatum.kernels import guard, rows
+from rotatum.kernels import guard, rotatum, rows
 from rotatum.record import Field, Layout, integer
 from rotatum.runtime.compose import write_kernels
 from rotatum.runtime.errors import StageError
@@ -73,9 +73,11 @@ def linked(inner: Stage) -> Stage:
     """Put a stage behind the guard of its arm, which tells when to hold and what was wrong.
 
     Args:
-        inner: reads ``LinkSample``; its output has ``time`` and ``status``; it can hold its output.
+        inner: reads ``LinkSample`` or ``RotatumSample``; its output has ``time`` and ``status``;
+            it can hold its output.
     """
-    if inner.hold is None or inner.input != rows.LinkSample.layout():
+    samples = (rows.LinkSample.layout(), rotatum.RotatumSample.layout())
+    if inner.hold is None or inner.input not in samples:
         raise StageError(f"{inner.name} is no estimator of a joint seen from its link")
     name = f"{inner.name}_linked"
     doc = f"{inner.name} behind the guard of its arm."
@@ -84,7 +86,7 @@ def linked(inner: Stage) -> Stage:
         "status": integer("status bits of the sample"),
     }
     fields = dict(inner.input.fields)
-    outer = Layout("arm_joint_sample", "One sample of a joint of an arm.", {**fields, **own})
+    outer = Layout(f"arm_{inner.input.name}", "One sample of a joint of an arm.", {**fields, **own})
     copied = [f"    state.sample.{field} = u.{field}" for field in fields]
     lines = [
         "if u.hold != 0:",

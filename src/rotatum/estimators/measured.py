@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 ACCELERATION = "acceleration"
 VELOCITY = "velocity"
+JERK = "jerk"
 """Kinds of signals whose noise a lower cutoff takes away; of link and motor."""
 
 _NONE: Mapping[tuple[str, str], float] = MappingProxyType({})

@@ -12,10 +12,12 @@ def fits_together(method: str, side: str, torque: str, where: str) -> None:
     Raises:
         MethodError: it is not so; names the joint and what is missing.
     """
-    if side == "link" and method != "weak":
+    if side == "link" and method not in ("weak", "rotatum"):
         raise MethodError(
             f"method {method} works on the motor's side", where=where, value=side, hint="weak can."
         )
+    if method == "rotatum" and side != "link":
+        raise MethodError("rotatum works on the link's side", where=where, value=side)
     if side == "link" and torque != "estimated":
         raise MethodError(
             "from the link side no torque is read: the link's own motion gives it",

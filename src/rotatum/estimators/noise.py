@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rotatum.estimators.columns import Power, deflection_range, fit_scales
-from rotatum.estimators.operators import CENTRED
+from rotatum.estimators.operators import CENTRED, OBSERVER, Operator
 from rotatum.estimators.settings import Settings
 from rotatum.models import Joint
 
@@ -49,6 +49,8 @@ def column_noise(
     """
     link, motor = (std**2 for std in settings.noise)
     operator = settings.operator
+    if operator.kind == OBSERVER:
+        return _rate_noise(joint, operator, link, motor, powers, inertia)
     if settings.method == "residual":
         # Its basis is not filtered as its left side is: they have next to nothing in common.
         operator, inertia = replace(operator, order=0), 0.0
@@ -66,9 +68,7 @@ def column_noise(
     scales = fit_scales(joint, settings)
     fitted = [raw.get(n, 0.0) / s**2 for n, s in zip(settings.fit, scales, strict=True)]
     x = deflection_range(joint)
-    # s is spread over -1 to 1: the mean of s^2j is 1 / (2 j + 1).
-    lines = [1.0 / (2.0 * p.setpoint + 1.0) if p.deflection == 1 else 0.0 for p in powers]
-    basis = [(link + motor) * still / x**2 * line for line in lines]
+    basis = [(link + motor) * still / x**2 * line for line in _lines(powers)]
     reach = np.zeros(len(taps[2]))
     reach[len(reach) // 2] = 1.0
     both = -operator.cross_gain(reach, np.array(taps[2])) / operator.period**2
@@ -76,3 +76,28 @@ def column_noise(
     straight = [own * both * inertia / x if p == (1, 0) else 0.0 for p in powers]
     common = (*(0.0 for _ in fitted), *straight)
     return ColumnNoise((*fitted, *basis), own * bend, common)
+
+
+def _lines(powers: tuple[Power, ...]) -> list[float]:
+    """Mean square of what multiplies a straight line: s is spread over -1 to 1."""
+    return [1.0 / (2.0 * p.setpoint + 1.0) if p.deflection == 1 else 0.0 for p in powers]
+
+
+def _rate_noise(
+    joint: Joint,
+    operator: Operator,
+    link: float,
+    motor: float,
+    powers: tuple[Power, ...],
+    inertia: float,
+) -> ColumnNoise:
+    """Noise of rows of the rotatum: ``-M`` times the jerk's, and the rate's in the straight column.
+
+    Both come out of the same observer, whose covariance is known exactly; that of jerk and rate is
+    negative, and pulls the stiffness up.
+    """
+    covariance = operator.observer.recursion.noise()
+    x = deflection_range(joint)
+    columns = [(link + motor) * covariance[1, 1] / x**2 * line for line in _lines(powers)]
+    straight = [-inertia * link * covariance[3, 1] / x if p == (1, 0) else 0.0 for p in powers]
+    return ColumnNoise(tuple(columns), link * covariance[3, 3], tuple(straight))

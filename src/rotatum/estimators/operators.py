@@ -4,16 +4,25 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+
+from rotatum.estimators.observers.jerk import JerkObserver, jerk_observer
 
 Array = NDArray[np.float64]
 
 EXPONENTIAL = "exponential"
 WINDOW = "window"
-CENTRED = {0: (0.0, 1.0, 0.0), 1: (0.5, 0.0, -0.5), 2: (1.0, -2.0, 1.0)}
-"""Derivatives of order 0, 1, 2 under the hat, times T^order."""
+OBSERVER = "observer"
+CENTRED = {
+    0: (0.0, 1.0, 0.0),
+    1: (0.5, 0.0, -0.5),
+    2: (1.0, -2.0, 1.0),
+    3: (0.5, -1.0, 0.0, 1.0, -0.5),
+}
+"""Centred derivatives of order 0 to 3, newest first, times T^order; 1 and 2 are a hat's."""
 
 
 @dataclass(frozen=True)
@@ -22,9 +31,10 @@ class Operator:
 
     Args:
         kind: ``"exponential"``: ``(cutoff / (s + cutoff))^order``; ``"window"``: weights
-            ``(u (1 - u))^order``, u from 0 to 1 over the last ``window`` seconds.
-        order: 2 or 3 poles; power 2 to 5 of the window.
-        width: cutoff in rad/s, or window in s.
+            ``(u (1 - u))^order``, u from 0 to 1 over the last ``window`` seconds; ``"observer"``:
+            of position and its derivatives (``observers.jerk``).
+        order: 2 or 3 poles; power 2 to 5 of the window; samples by which the observer is late.
+        width: cutoff in rad/s, of an observer infinite where it is deadbeat; or window in s.
         period: T, s.
         derivative: 1: the derivative of the window instead (menard2013), whose mean is 0.
         every: samples from one row to the next; 1 with poles.
@@ -40,7 +50,14 @@ class Operator:
     @property
     def cutoff(self) -> float:
         """Bandwidth, rad/s: of a window, that of the poles with its delay."""
+        if self.kind == OBSERVER:
+            return self.observer.bandwidth
         return self.width if self.kind == EXPONENTIAL else 4.0 / self.width
+
+    @property
+    def observer(self) -> JerkObserver:
+        """The observer, for noise of 1 rad."""
+        return _observer(self.width, self.order, self.period)
 
     @property
     def pole(self) -> float:
@@ -57,6 +74,8 @@ class Operator:
         """Seconds by which a row's centre lags behind its last sample, the hat's included."""
         if self.kind == WINDOW:
             return 0.5 * (self.length + 1) * self.period
+        if self.kind == OBSERVER:
+            return self.order * self.period
         lag = self.pole / (1.0 - self.pole)
         return (1.0 + self.order * lag) * self.period
 
@@ -116,6 +135,9 @@ class Operator:
 
     def __str__(self) -> str:
         """As notes say it."""
+        if self.kind == OBSERVER:
+            kind = f"{self.width:g} rad/s" if math.isfinite(self.width) else "deadbeat"
+            return f"{kind}, {1e3 * self.delay:g} ms late"
         if self.kind == EXPONENTIAL:
             return f"{self.width:g} rad/s, {self.order} pole{'s' if self.order > 1 else ''}"
         shape = f"(u (1 - u))^{self.order}"
@@ -124,3 +146,9 @@ class Operator:
             f"{slope}{shape} over {self.width:g} s, a row every {1e3 * self.row_period:g} ms, "
             f"{1e3 * self.delay:g} ms late"
         )
+
+
+@lru_cache(maxsize=32)
+def _observer(bandwidth: float, lag: int, period: float) -> JerkObserver:
+    wanted = bandwidth if math.isfinite(bandwidth) else None
+    return jerk_observer(period, bandwidth=wanted, lag=lag)

@@ -8,7 +8,7 @@ from typing import Any
 
 from rotatum.errors import MethodError
 from rotatum.estimators.measured import Measured
-from rotatum.estimators.settings import Request, settle
+from rotatum.estimators.settings import Request, Settings, settle
 from rotatum.estimators.tuning import Prepared, prepare
 from rotatum.models import Device
 
@@ -38,6 +38,7 @@ def prepare_all(
         settle(joint, device, period, replace(request, measured=measured.get(joint.name)))
         for joint in device.joints
     ]
+    chosen = _one_observer(chosen, device)
     sides = {settings.side for settings in chosen}
     if device.robot is not None and len(sides) > 1:
         raise MethodError(
@@ -60,6 +61,23 @@ def prepare_all(
             )
         )
     return tuple(found)
+
+
+def _one_observer(chosen: list[Settings], device: Device) -> list[Settings]:
+    """Give an arm whose rotatum is observed the slowest observer of its joints, to all of them."""
+    if device.robot is None or {settings.method for settings in chosen} != {"rotatum"}:
+        return chosen
+    slowest = min((s.operator for s in chosen), key=lambda operator: operator.width)
+    return [
+        s
+        if s.operator == slowest
+        else replace(
+            s,
+            operator=slowest,
+            reasons={**s.reasons, "cutoff": "the slowest of the arm's, differentiated together"},
+        )
+        for s in chosen
+    ]
 
 
 def _holds(

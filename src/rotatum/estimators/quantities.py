@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rotatum.errors import MethodError, nearest
-from rotatum.estimators.measured import ACCELERATION, VELOCITY, Measured
+from rotatum.estimators.measured import ACCELERATION, JERK, VELOCITY, Measured
 from rotatum.models import Device, Joint
 
 COLUMNS = (
@@ -55,6 +55,8 @@ def columns_of(method: str, side: str, torque: str, device: Device) -> tuple[str
     """
     if method == "residual":
         return ("offset",)
+    if method == "rotatum":
+        return ()
     if side == "link":
         return LINK_COLUMNS if device.robot is None else ARM_COLUMNS
     found = MOTOR_COLUMNS if torque == "estimated" else SENSOR_COLUMNS
@@ -121,8 +123,13 @@ def of_side(
     return tuple(name for name in filed if name in allowed) or None
 
 
-def narrowest(side: str, fit: tuple[str, ...], measured: Measured) -> tuple[tuple[str, float], ...]:
+def narrowest(
+    method: str, side: str, fit: tuple[str, ...], measured: Measured
+) -> tuple[tuple[str, float], ...]:
     """Signals that rows are made of, and the highest cutoff each allows."""
+    if method == "rotatum":
+        found = measured.cutoffs.get(("link", JERK))
+        return () if found is None else (("jerk of the link", found),)
     wanted = {f"fitted {name}": _SIGNALS[name] for name in fit if name in _SIGNALS}
     if side == "link":
         wanted["acceleration of the link"] = ("link", ACCELERATION)

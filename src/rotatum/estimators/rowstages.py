@@ -6,7 +6,18 @@ from typing import Any
 
 from rotatum.estimators.operators import WINDOW
 from rotatum.estimators.shapes import Shape
-from rotatum.kernels import basis, cascade, kinematic, link, residual, rows, weak, window
+from rotatum.kernels import (
+    basis,
+    cascade,
+    kinematic,
+    link,
+    residual,
+    rotatum,
+    rows,
+    unknown_input,
+    weak,
+    window,
+)
 from rotatum.models.laws import LAWS
 from rotatum.record import Field, Layout
 from rotatum.runtime.compose import write_kernels
@@ -14,6 +25,7 @@ from rotatum.runtime.stage import Stage
 
 WEAK = ("shinbrot1957", "gautier1997", "messenger2021")
 RESIDUAL = ("flacco2012", "jeon2007")
+ROTATUM = ("trumic2022", "sundaram2008")
 
 MODEL_STEP = """reached = u.q - u.theta - rows_known_zero(params.zero, state.zero)
 setpoint = params.model.offset + params.model.slope * u.setpoint
@@ -34,6 +46,8 @@ def rows_stage(shape: Shape) -> Stage:
     """Make the rows of a shape: its terms, and the operator they go through."""
     if shape.method == "residual":
         return _residual(shape)
+    if shape.method == "rotatum":
+        return _rotatum(shape)
     return _weak(shape) if shape.side == "motor" else _link(shape)
 
 
@@ -152,6 +166,38 @@ def _residual(shape: Shape) -> Stage:
         text = MODEL_STEP + text
     starts = ["terms_init(params, state)"]
     return _stage(shape, rows.Sample.layout(), params, state, starts, text, kernels, RESIDUAL)
+
+
+def _rotatum(shape: Shape) -> Stage:
+    pair = shape.actuation == "antagonistic"
+    b = shape.terms // (2 if pair else 1)
+    terms = basis.BasisState.layout(b=b, m=shape.powers + 1, r=shape.powers + basis.ROOM)
+    observer = unknown_input.UnknownInputState.layout(n=4, c=shape.size, o=4)
+    params = {
+        "zero": rows.ZeroParams.layout(),
+        "basis": basis.BasisParams.layout(b=b),
+        "rotatum": rotatum.RotatumParams.layout(),
+        "observer": unknown_input.UnknownInputParams.layout(n=4, c=shape.size, o=4, p=1),
+    }
+    state = {
+        "zero": rows.ZeroState.layout(),
+        "terms": terms,
+        "rotatum": rotatum.RotatumState.layout(),
+        "link": observer,
+        "motor": observer,
+        "lever": observer,
+    }
+    if pair:
+        params["zero2"] = rows.ZeroParams.layout()
+        state |= {"zero2": rows.ZeroState.layout(), "terms2": terms, "motor2": observer}
+    kernels: dict[str, Any] = {
+        "terms_init": rotatum.pair_init if pair else rotatum.init,
+        "terms_step": rotatum.pair_step if pair else rotatum.one_step,
+    }
+    text = "terms_step(params, state, u, out)"
+    starts = ["terms_init(params, state)"]
+    sample = rotatum.RotatumSample.layout()
+    return _stage(shape, sample, params, state, starts, text, kernels, ROTATUM)
 
 
 def _stage(

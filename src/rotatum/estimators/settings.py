@@ -19,7 +19,7 @@ from rotatum.estimators.quantities import columns_of, fitted_columns, narrowest,
 from rotatum.estimators.widths import choose_operator
 from rotatum.models import Device, Joint
 
-METHODS = ("residual", "algebraic", "weak")
+METHODS = ("residual", "algebraic", "rotatum", "weak")
 SIDES = ("motor", "link")
 TORQUES = ("estimated", "sensor", "model")
 SOLVERS = ("ud", "covariance", "continuous")
@@ -32,7 +32,7 @@ class Settings:
     """How one joint is estimated, every choice made.
 
     Args:
-        method: ``"weak"``, ``"algebraic"`` or ``"residual"``.
+        method: ``"weak"``, ``"algebraic"``, ``"rotatum"`` or ``"residual"``.
         side: of the torque balance, ``"motor"`` or ``"link"``.
         torque: ``"estimated"`` from the motor or from the link, a ``"sensor"``'s, or the device's
             own ``"model"``.
@@ -41,6 +41,7 @@ class Settings:
         forgetting: weight of a row relative to the next one.
         solver: ``"ud"``, ``"covariance"`` or ``"continuous"``.
         shrinkage: whether high orders are shrunk as far as the data do not ask for them.
+        selective: link speed below which nothing is learnt, rad/s; 0: all is.
         noise: standard deviation of link and motor positions, rad.
         reasons: setting name to where its value comes from.
     """
@@ -53,6 +54,7 @@ class Settings:
     forgetting: float
     solver: str
     shrinkage: bool
+    selective: float
     noise: tuple[float, float]
     reasons: dict[str, str]
 
@@ -81,6 +83,7 @@ class Request:
     forgetting: float | None = None
     solver: str | None = None
     shrinkage: bool | None = None
+    selective: float | None = None
     measured: Measured | None = None
 
 
@@ -105,7 +108,11 @@ def settle(joint: Joint, device: Device, period: float, request: Request) -> Set
 
     filed = joint.estimator
     method = _choice("method", pick("method", request.method, filed.method, "weak"), METHODS, where)
-    side = _choice("side", pick("side", request.side, filed.side, "motor"), SIDES, where)
+    # A side in the device file is that of the method in it.
+    same = "rotatum" not in (method, filed.method) or method == filed.method
+    usual_side = "link" if method == "rotatum" else "motor"
+    side = pick("side", request.side, filed.side if same else None, usual_side)
+    side = _choice("side", side, SIDES, where)
     # A torque's source in the device file is the motor side's; from the link none is read.
     source = filed.torque if side == "motor" else None
     torque = pick("torque", request.torque, source, "estimated")
@@ -132,13 +139,14 @@ def settle(joint: Joint, device: Device, period: float, request: Request) -> Set
         order=request.order,
         stride=request.stride,
         noise=noise,
-        cutoffs=narrowest(side, fit, measured),
+        cutoffs=narrowest(method, side, fit, measured),
         side=side,
     )
     forgetting = _forgetting(pick("forgetting", request.forgetting, filed.forgetting, 1.0), where)
     solver = _choice("solver", pick("solver", request.solver, None, "ud"), SOLVERS, where)
     asked = pick("shrinkage", request.shrinkage, filed.shrinkage, solver != "covariance")
     shrinkage = _shrinkage(asked, solver, where)
+    selective = pick("selective", request.selective, filed.selective, 0.0)
     if side == "link":
         needs_link(joint, device, where)
     elif torque == "estimated":
@@ -147,7 +155,17 @@ def settle(joint: Joint, device: Device, period: float, request: Request) -> Set
         needs_law(joint, where)
     needs_setpoint(joint, where)
     return Settings(
-        method, side, torque, operator, fit, forgetting, solver, shrinkage, noise, reasons
+        method,
+        side,
+        torque,
+        operator,
+        fit,
+        forgetting,
+        solver,
+        shrinkage,
+        _selective(selective, where),
+        noise,
+        reasons,
     )
 
 
@@ -174,6 +192,17 @@ def _forgetting(value: object, where: str) -> float:
             where=where,
             value=value,
             allowed=f"{SHORTEST} <= forgetting <= 1",
+        )
+    return float(value)
+
+
+def _selective(value: object, where: str) -> float:
+    if not isinstance(value, int | float) or not 0.0 <= value < math.inf:
+        raise MethodError(
+            "selective is the link speed (rad/s) below which nothing is learnt",
+            where=where,
+            value=value,
+            allowed="0 (all is) or more",
         )
     return float(value)
 

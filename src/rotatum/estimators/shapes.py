@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from rotatum.estimators.operators import EXPONENTIAL, WINDOW
+from rotatum.estimators.operators import EXPONENTIAL, OBSERVER, WINDOW
 from rotatum.record import Layout, integer, number
+
+ROOMY = (WINDOW, OBSERVER)
+"""Operators that look back over a number of samples."""
 
 
 class Shape(NamedTuple):
     """All that decides a stage's code and layouts; joints that share it share a bank.
 
     Args:
-        method: ``"weak"``, ``"algebraic"`` or ``"residual"``.
+        method: ``"weak"``, ``"algebraic"``, ``"rotatum"`` or ``"residual"``.
         torque: ``"estimated"``, ``"sensor"`` or ``"model"``.
         terms: terms of the basis; of both transmissions where they share a row.
         columns: all regressors of a row.
@@ -24,8 +27,9 @@ class Shape(NamedTuple):
         constants: how many it has.
         side: ``"motor"`` or ``"link"``.
         arm: whether the link belongs to an arm.
-        operator: ``"exponential"`` or ``"window"``.
-        size: samples a window's ring can hold; 0 without one.
+        operator: ``"exponential"``, ``"window"`` or ``"observer"``.
+        size: samples a window's ring, or an observer's window, can hold; 0 without one.
+        selective: whether nothing is learnt near a standstill of the link.
     """
 
     method: str
@@ -42,6 +46,7 @@ class Shape(NamedTuple):
     arm: bool = False
     operator: str = EXPONENTIAL
     size: int = 0
+    selective: bool = False
 
     @property
     def rows_name(self) -> str:
@@ -50,7 +55,7 @@ class Shape(NamedTuple):
         name = f"{self.method}_{source}_{self.terms}of{self.columns}"
         if self.law:
             name = f"{name}_{self.law}"
-        return f"{name}_window{self.size}" if self.operator == WINDOW else name
+        return f"{name}_{self.operator}{self.size}" if self.operator in ROOMY else name
 
     @property
     def together(self) -> bool:
@@ -58,9 +63,9 @@ class Shape(NamedTuple):
         return self.side == "link" and self.actuation == "antagonistic"
 
 
-def ring_size(length: int) -> int:
+def ring_size(length: int, least: int = 64) -> int:
     """Room for a window: the next power of two, so that windows of like length share their code."""
-    size = 64
+    size = least
     while size < length:
         size *= 2
     return size

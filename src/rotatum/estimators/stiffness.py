@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 from rotatum.estimators.part import PLAIN, SHRUNK, Part, part_of
 from rotatum.estimators.solvers import Solver
-from rotatum.kernels import blocks, both, evidence, pair, readout
+from rotatum.kernels import blocks, both, evidence, gate, pair, readout
 from rotatum.record import Field, Layout, number, vector
 from rotatum.runtime.compose import write_function
 from rotatum.runtime.stage import Stage
@@ -14,7 +16,7 @@ from rotatum.runtime.stage import Stage
 LEVELS = 20  # of block sums: the longest block is 2^19 times the shortest
 
 SERIES_STEP = """rows_step(params.rows, state.rows, u, state.row)
-if state.row.fresh != 0:
+{gate}if state.row.fresh != 0:
     blocks_clear(state.sums)
     evidence_cut(state.evidence)
 if state.row.valid != 0:
@@ -28,7 +30,7 @@ if state.row.valid != 0:
 
 PAIR_STEP = """rows_step(params.first.rows, state.first.rows, u.first, state.first.row)
 rows_step(params.second.rows, state.second.rows, u.second, state.second.row)
-pair_together(state.first.row, state.second.row)
+{gate}pair_together(state.first.row, state.second.row)
 if state.first.row.fresh != 0:
     blocks_clear(state.sums)
     evidence_cut(state.first.evidence)
@@ -51,6 +53,7 @@ if state.first.row.valid != 0:
             )
             pair_relate(state.pair, state.sums, state.first.evidence, state.second.evidence)
 tell_pair(params, state, u.time, 1, out)"""
+GATE = "gate_step(params.gate, state.gate, {q}, {fresh}, {row})\n"
 
 TELL_PAIR = """tell(params.first, state.first, time, counted, state.first.reading)
 tell(params.second, state.second, time, counted, state.second.reading)
@@ -75,7 +78,13 @@ out.time = time"""
 
 
 def stiffness_stage(
-    rows_stage: Stage, solver: Solver, *, terms: int, columns: int, shrunk: bool = False
+    rows_stage: Stage,
+    solver: Solver,
+    *,
+    terms: int,
+    columns: int,
+    shrunk: bool = False,
+    selective: bool = False,
 ) -> Stage:
     """Compose rows -> solver -> evidence -> read-out into one stage whose output is ``Reading``.
 
@@ -87,20 +96,38 @@ def stiffness_stage(
         terms: number of regressors that are the basis, the last ones.
         columns: number of regressors.
         shrunk: whether high orders are shrunk as far as the data do not ask for them (``UD``).
+        selective: whether nothing is learnt near a standstill of the link (``kernels.gate``).
     """
     part = part_of(rows_stage, solver, terms, columns, shrunk)
-    params = Layout(f"{part.name}_params", _doc(part), {**part.params, "sums": _sums_params()})
-    sums = _sums_state(columns, 1)
-    state = Layout(f"{part.name}_state", _doc(part), {**part.state, "sums": sums})
-    init = tuple(line.replace("{0}", "") for line in part.init)
+    chosen = _gate(selective, part)
+    name = f"{part.name}{chosen.ending}"
+    params = {**part.params, "sums": _sums_params(), **chosen.params}
+    state = {**part.state, "sums": _sums_state(columns, 1), **chosen.state}
+    init = (*(line.replace("{0}", "") for line in part.init), *chosen.init)
     hold = "tell(params, state, 0.0, 0, out)"
-    step = SERIES_STEP.format(columns=columns, reading="out", tell="tell")
+    step = SERIES_STEP.format(columns=columns, reading="out", tell="tell", gate=chosen.step)
     output = readout.Reading.layout(p=columns)
-    return _stage(part, part.name, params, state, rows_stage.input, output, init, step, hold)
+    return _stage(
+        part,
+        name,
+        Layout(f"{name}_params", _doc(part), params),
+        Layout(f"{name}_state", _doc(part), state),
+        rows_stage.input,
+        output,
+        init,
+        step,
+        hold,
+    )
 
 
 def pair_stage(
-    rows_stage: Stage, solver: Solver, *, terms: int, columns: int, shrunk: bool = False
+    rows_stage: Stage,
+    solver: Solver,
+    *,
+    terms: int,
+    columns: int,
+    shrunk: bool = False,
+    selective: bool = False,
 ) -> Stage:
     """Compose two transmissions of one link into one stage whose output is ``PairReading``.
 
@@ -109,9 +136,11 @@ def pair_stage(
 
     Args:
         rows_stage, solver, terms, columns, shrunk: as in ``stiffness_stage``, of each transmission.
+        selective: as there, of both.
     """
     part = part_of(rows_stage, solver, terms, columns, shrunk)
-    name, v = f"pair_{part.name}", 2 * columns
+    chosen = _gate(selective, part, ".first")
+    name, v = f"pair_{part.name}{chosen.ending}", 2 * columns
     one = Layout(f"{part.name}_part_params", _doc(part), part.params)
     reading = Field(readout.Reading.layout(p=columns))
     memory = {**part.state, "reading": reading}
@@ -124,6 +153,7 @@ def pair_stage(
             "second": Field(one),
             "sums": _sums_params(),
             "readout": Field(readout.ReadoutParams.layout()),
+            **chosen.params,
         },
     )
     state = Layout(
@@ -135,6 +165,7 @@ def pair_stage(
             "sums": _sums_state(columns, 2),
             "pair": Field(pair.PairState.layout()),
             "readout": Field(readout.ReadoutState.layout()),
+            **chosen.state,
         },
     )
     sample = Layout(
@@ -149,8 +180,8 @@ def pair_stage(
     init = tuple(
         line.replace("{0}", which) for which in (".first", ".second") for line in part.init
     )
-    init += ("readout_init(params.readout, state.readout)",)
-    step = PAIR_STEP.format(columns=columns, v=v, probes=evidence.PROBES)
+    init += ("readout_init(params.readout, state.readout)", *chosen.init)
+    step = PAIR_STEP.format(columns=columns, v=v, probes=evidence.PROBES, gate=chosen.step)
     output = pair.PairReading.layout(v=v)
     kernels = part.kernels
     for kernel in ("together", "relate", "read", "tell"):
@@ -167,21 +198,29 @@ def pair_stage(
 
 
 def together_stage(
-    rows_stage: Stage, solver: Solver, *, terms: int, columns: int, shrunk: bool = False
+    rows_stage: Stage,
+    solver: Solver,
+    *,
+    terms: int,
+    columns: int,
+    shrunk: bool = False,
+    selective: bool = False,
 ) -> Stage:
     """Compose two transmissions that share their rows into a stage whose output is ``PairReading``.
 
     Seen from the link only the sum of both torques shows; each is told apart by its deflection.
 
     Args:
-        rows_stage, solver, columns, shrunk: as in ``stiffness_stage``.
+        rows_stage, solver, columns, shrunk, selective: as in ``stiffness_stage``.
         terms: of both bases, in turns, agonist first.
     """
     part = part_of(rows_stage, solver, terms, columns, shrunk)
-    name = f"both_{part.name}"
+    chosen = _gate(selective, part)
+    name = f"both_{part.name}{chosen.ending}"
     words: dict[str, Any] = {"terms": terms, "first": columns - terms}
     words |= SHRUNK if shrunk else PLAIN
-    params = Layout(f"{name}_params", _doc(part), {**part.params, "sums": _sums_params()})
+    own = {**part.params, "sums": _sums_params(), **chosen.params}
+    params = Layout(f"{name}_params", _doc(part), own)
     state = Layout(
         f"{name}_state",
         _doc(part),
@@ -190,9 +229,10 @@ def together_stage(
             "sums": _sums_state(columns, 1),
             "reading": Field(readout.Reading.layout(p=columns)),
             "mask": vector(columns, "scratch: the read-out of one transmission"),
+            **chosen.state,
         },
     )
-    init = tuple(line.replace("{0}", "") for line in part.init)
+    init = (*(line.replace("{0}", "") for line in part.init), *chosen.init)
     for kernel in ("read", "mask", "part", "relate"):
         part.kernels[f"both_{kernel}"] = getattr(both, kernel)
     part.kernels["tell_both"] = write_function(
@@ -204,8 +244,35 @@ def together_stage(
     )
     output = pair.PairReading.layout(v=2 * columns - terms)
     hold = "tell_both(params, state, 0.0, 0, out)"
-    step = SERIES_STEP.format(columns=columns, reading="state.reading", tell="tell_both")
+    step = SERIES_STEP.format(
+        columns=columns, reading="state.reading", tell="tell_both", gate=chosen.step
+    )
     return _stage(part, name, params, state, rows_stage.input, output, init, step, hold)
+
+
+class _Gate(NamedTuple):
+    """What selective updates add to a stage; all empty without them."""
+
+    ending: str = ""
+    params: Mapping[str, Field] = MappingProxyType({})
+    state: Mapping[str, Field] = MappingProxyType({})
+    init: tuple[str, ...] = ()
+    step: str = ""
+
+
+def _gate(selective: bool, part: Part, where: str = "") -> _Gate:
+    """Make what a gate before the solver adds; ``where`` the row it holds back is."""
+    if not selective:
+        return _Gate()
+    part.kernels["gate_init"], part.kernels["gate_step"] = gate.init, gate.step
+    u = f"u{where}"
+    return _Gate(
+        "_selective",
+        {"gate": Field(gate.GateParams.layout())},
+        {"gate": Field(gate.GateState.layout())},
+        ("gate_init(params.gate, state.gate)",),
+        GATE.format(q=f"{u}.q", fresh=f"{u}.fresh", row=f"state{where}.row"),
+    )
 
 
 def _doc(part: Part) -> str:

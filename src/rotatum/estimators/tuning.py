@@ -18,14 +18,16 @@ from rotatum.estimators.columns import (
 )
 from rotatum.estimators.filters import (
     fill_friction,
+    fill_gate,
     fill_kinematic,
     fill_link,
     fill_operator,
     fill_residual,
+    fill_rotatum,
     fill_weak,
 )
 from rotatum.estimators.judging import fill_readout, fill_solver, fill_sums
-from rotatum.estimators.operators import EXPONENTIAL, WINDOW
+from rotatum.estimators.operators import EXPONENTIAL, OBSERVER, WINDOW, Operator
 from rotatum.estimators.settings import Settings
 from rotatum.estimators.shapes import Shape, ends_of, ring_size, roles
 from rotatum.models import Joint
@@ -73,7 +75,7 @@ class Prepared(NamedTuple):
     def delay(self) -> float:
         """Seconds by which a row's centre lags behind its last sample, friction's wait included."""
         wait = 0
-        if self.settings.method != "residual":
+        if self.settings.method not in ("residual", "rotatum"):
             side = "link" if self.settings.side == "link" else "weak"
             wait = int(self.parts[0]["rows"][side]["delay"])
         return self.settings.operator.delay + wait * self.settings.operator.period
@@ -141,6 +143,8 @@ def prepare(
         fill_solver(part, joint, i, settings, powers, arm)
     inner = params["inner"][0]
     fill_sums(inner["sums"], settings)
+    if shape.selective:
+        fill_gate(inner["gate"], joint, settings, notes)
     if prepared.apart:
         fill_readout(inner["readout"], settings)
     return prepared
@@ -149,7 +153,6 @@ def prepare(
 def _shape(joint: Joint, settings: Settings, powers: tuple[Power, ...], arm: bool) -> Shape:
     model = joint.transmission.law if settings.torque == "model" else None
     columns = len(powers) + len(settings.fit)
-    window = settings.operator.kind == WINDOW
     return Shape(
         settings.method,
         settings.torque,
@@ -164,11 +167,18 @@ def _shape(joint: Joint, settings: Settings, powers: tuple[Power, ...], arm: boo
         settings.side,
         arm,
         settings.operator.kind,
-        ring_size(settings.operator.length) if window else 0,
+        _room(settings.operator),
+        settings.selective > 0.0,
     )
 
 
-_WIDTH = {EXPONENTIAL: "cutoff", WINDOW: "window"}
+def _room(operator: Operator) -> int:
+    if operator.kind == OBSERVER:
+        return ring_size(operator.observer.recursion.window, 8)
+    return ring_size(operator.length) if operator.kind == WINDOW else 0
+
+
+_WIDTH = {EXPONENTIAL: "cutoff", WINDOW: "window", OBSERVER: "cutoff"}
 
 
 def _setting_notes(settings: Settings) -> dict[str, str]:
@@ -258,6 +268,8 @@ def _rows(
         record["setpoint"] = record["kinematic"]
         fill_residual(record["residual"], joint, motor, settings, period, held)
         record["residual"]["width"] = width
+    elif settings.method == "rotatum":
+        fill_rotatum(record, joint, settings.operator, shape.arm, notes)
     else:
         terms = record["link" if settings.side == "link" else "weak"]
         if settings.side == "link":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from rotatum.errors import MethodError
-from rotatum.estimators.operators import EXPONENTIAL, WINDOW, Operator
+from rotatum.estimators.operators import EXPONENTIAL, OBSERVER, WINDOW, Operator
 from rotatum.models import Joint
 
 DEFAULT_CUTOFF = 300.0
@@ -17,6 +17,12 @@ LINK_POLES = 3  # rows have the link's acceleration in them, whose noise two pol
 POWERS = (2, 3, 4, 5)
 ROWS_PER_WINDOW = 10
 LONGEST = 8192  # samples under a window: what its ring may cost
+BLIND_CUTOFF = 60.0  # rad/s of an observer's jerk where the log has not told its noise
+# Lag of an observer in 1 / cutoff: twice what its noise asks for, because position, velocity and
+# jerk must be derivatives of one signal, also of what moves nearly as fast as the cutoff.
+CONSISTENT = 10.0
+DEADBEAT_LAG = 2  # samples: a stencil of five
+FASTEST, SLOWEST = 2.0, 2e-3  # rad per sample: what an observer can be designed for, how long
 
 
 def choose_operator(
@@ -62,6 +68,15 @@ def choose_operator(
         told = "device file"
     else:
         told = "asked for"
+    if method == "rotatum":
+        if window is not None or stride is not None:
+            raise MethodError(
+                "rotatum has a cutoff (rad/s), not a window", where=where, value=window or stride
+            )
+        if cutoff is None:
+            cutoff, told = _observer_cutoff(period, noise, cutoffs)
+        reasons["cutoff"] = told
+        return _observer(cutoff, order, period, where)
     if method != "algebraic" and window is None:
         default, why = _default_cutoff(joint, method, period, noise, cutoffs)
         reasons["cutoff"] = why if cutoff is None else told
@@ -91,6 +106,44 @@ def choose_operator(
             allowed=f"1 <= stride < {samples}",
         )
     return Operator(WINDOW, power, samples * period, period, int(method == "algebraic"), every)
+
+
+def _observer_cutoff(
+    period: float, noise: tuple[float, float], cutoffs: tuple[tuple[str, float], ...]
+) -> tuple[float, str]:
+    """As fast as the noise of the link's jerk allows."""
+    cutoff = min(DEFAULT_CUTOFF, 0.5 / period)
+    why = f"default: {DEFAULT_CUTOFF:g} rad/s, at most half the sample rate"
+    for signal, highest in cutoffs:
+        if highest < cutoff:
+            cutoff = highest
+            why = f"default: lowered for the noise of the {signal} in this log"
+    if not cutoffs and noise[0] > 0.0:
+        return min(cutoff, BLIND_CUTOFF), "default: no log has told the noise of the link's jerk"
+    return cutoff, why
+
+
+def _observer(cutoff: float, order: int | None, period: float, where: str) -> Operator:
+    """Return the observer of that bandwidth; infinite is deadbeat."""
+    deadbeat = math.isinf(cutoff) and cutoff > 0.0
+    if not deadbeat and not SLOWEST / period <= cutoff <= FASTEST / period:
+        raise MethodError(
+            "cutoff (rad/s) does not fit the sample period",
+            where=where,
+            value=cutoff,
+            allowed=f"{SLOWEST / period:.6g} to {FASTEST / period:.6g} rad/s at a period of "
+            f"{period:.6g} s, or inf: deadbeat, as printed",
+        )
+    usual = DEADBEAT_LAG if deadbeat else math.ceil(CONSISTENT / (cutoff * period))
+    lag, least = usual if order is None else order, DEADBEAT_LAG if deadbeat else 1
+    if not least <= lag < LONGEST:
+        raise MethodError(
+            "order is the number of samples by which the observer comes late",
+            where=where,
+            value=order,
+            allowed=f"{least} <= order < {LONGEST}",
+        )
+    return Operator(OBSERVER, lag, float(cutoff), period)
 
 
 def _order(value: int | None, allowed: tuple[int, ...], default: int, what: str, where: str) -> int:

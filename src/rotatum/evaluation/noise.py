@@ -8,7 +8,7 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
-from rotatum.estimators.measured import ACCELERATION, VELOCITY, Measured
+from rotatum.estimators.measured import ACCELERATION, JERK, VELOCITY, Measured
 from rotatum.estimators.operators import CENTRED, EXPONENTIAL, Operator
 from rotatum.estimators.shapes import ends_of
 from rotatum.estimators.widths import LINK_POLES
@@ -23,6 +23,7 @@ _GAIN = comb(2 * ORDER, ORDER)  # sum of the squared binomial coefficients
 ENOUGH = 200  # samples below which nothing is measured
 LONGEST = 100_000  # samples that are looked at
 SMALL = 0.05  # noise over signal: attenuates a coefficient by a quarter of a per cent
+JERK_POLES = 4  # one more than derivatives: else the noise has no end
 SMALLER = 0.01  # of the link's acceleration, which on its side is all of the torque
 HIGHEST, LOWEST = 300.0, 10.0  # rad/s
 LARGEST = 5.0  # medians; of normal noise one in 1300 is larger
@@ -89,10 +90,11 @@ def measure(
         ):
             counts = joint.encoders.resolution("link" if side == "link" else "motor") or 0.0
             least = max(std, counts / 12**0.5)
-            for kind, order in ((VELOCITY, 1), (ACCELERATION, 2)):
+            kinds = [(VELOCITY, 1), (ACCELERATION, 2), *([(JERK, 3)] if side == "link" else [])]
+            for kind, order in kinds:
                 poles, small = 2, SMALL
                 if side == "link":
-                    poles = LINK_POLES
+                    poles = JERK_POLES if kind == JERK else LINK_POLES
                 if (side, kind) == ("link", ACCELERATION):
                     small = SMALLER
                 each = [
@@ -127,7 +129,7 @@ def highest_cutoff(
     Args:
         position: (N,) rad, evenly spaced.
         std: of its noise, rad.
-        order: of the derivative, 1 or 2.
+        order: of the derivative, 1 to 3.
         period: s.
         poles: of the low-pass.
         small: noise over signal.

@@ -60,6 +60,7 @@ def estimate(
     forgetting: float | None = None,
     solver: str | None = None,
     shrinkage: bool | None = None,
+    selective: float | None = None,
     joints: Sequence[str] | None = None,
     start: float | None = None,
     output: str | Path | None = None,
@@ -70,19 +71,22 @@ def estimate(
     Args:
         log: from ``read_log`` or ``open_log`` (constant memory).
         device: from ``load_device``.
-        method: ``"weak"``, ``"algebraic"`` or ``"residual"``; ``None``: the device file's, then
-            ``"weak"``.
+        method: ``"weak"``, ``"algebraic"``, ``"rotatum"`` or ``"residual"``; ``None``: the device
+            file's, then ``"weak"``.
         side: of the torque balance: ``"motor"``, or ``"link"``, which reads no torque.
         torque: ``"estimated"`` from the motor, the ``"sensor"``'s, or that of the device's own
             ``"model"`` (flacco2012 eq. 44).
-        cutoff: of the low-pass rows go through, rad/s; or
+        cutoff: of the low-pass rows go through, or of the observer of ``rotatum`` (infinite:
+            deadbeat, as printed), rad/s; or
         window: that they look back, s.
-        order: poles of the low-pass (2, 3), or power of the window (2 to 5).
+        order: poles of the low-pass (2, 3), power of the window (2 to 5), or samples by which the
+            observer of ``rotatum`` comes late.
         stride: samples from one row of a window to the next.
         fit: columns fitted beside the stiffness.
         forgetting: weight of a row relative to the next one.
         solver: ``"ud"`` or ``"covariance"``.
         shrinkage: whether high orders are shrunk as far as the data do not ask for them.
+        selective: link speed below which nothing is learnt, rad/s; 0: all is.
         joints: names of the joints wanted; ``None``: all.
         start: seconds after the log's first sample from which it is scored; ``None``: once
             converged.
@@ -109,6 +113,7 @@ def estimate(
         forgetting=forgetting,
         solver=solver,
         shrinkage=shrinkage,
+        selective=selective,
     )
     measured = measured_signals(log, device, names)
     check_channels(log, device, request, names)
@@ -128,6 +133,7 @@ def estimate(
         forgetting=forgetting,
         solver=solver,
         shrinkage=shrinkage,
+        selective=selective,
         measured=measured,
         holds=holds,
         zeros=zeros,

@@ -128,7 +128,7 @@ def pair_step(params: Any, state: Any, u: Any, out: Any) -> None:
     phi2 = u.q - u.theta2 - state.zero2.zero
     basis.evaluate(params.basis, state.terms, phi, u.setpoint)
     basis.evaluate(params.basis, state.terms2, phi2, u.setpoint)
-    _read_pair(state.terms, state.terms2, out)
+    rows.read_pair(state.terms, state.terms2, out)
     out.phi = phi
     out.phi2 = phi2
     _store(s, u)
@@ -146,21 +146,6 @@ def pair_step(params: Any, state: Any, u: Any, out: Any) -> None:
             state.now.F[2 * h] = state.terms.F[h]
             state.now.F[2 * h + 1] = state.terms2.F[h]
         _advance(params.link, state, s, 2 * len(state.terms.F))
-
-
-def _read_pair(terms: Any, terms2: Any, out: Any) -> None:
-    first = len(out.F) - 2 * len(terms.F)
-    for h in range(first):
-        out.F[h] = 0.0
-        out.D[h] = 0.0
-        out.H[h] = 0.0
-    for h in range(len(terms.F)):
-        out.F[first + 2 * h] = terms.F[h]
-        out.D[first + 2 * h] = terms.D[h]
-        out.H[first + 2 * h] = terms.H[h]
-        out.F[first + 2 * h + 1] = terms2.F[h]
-        out.D[first + 2 * h + 1] = terms2.D[h]
-        out.H[first + 2 * h + 1] = terms2.H[h]
 
 
 def _start(s: Any, fresh: int, known: int) -> None:

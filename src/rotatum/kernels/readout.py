@@ -12,6 +12,7 @@ from rotatum.kernels.status import (
     INFORMATIVE,
     PRIOR,
     STARVED,
+    STILL,
     WIDE,
 )
 from rotatum.record import Record, integer, number, vector
@@ -164,9 +165,9 @@ def decide(
     """Set verdict, status and ``converged_at``.
 
     Starved: half the interval exceeds ``starved`` of the estimate, or more than ``shrink`` of the
-    prior's variance is left in this read-out direction. Informative: below ``informative`` for
-    ``hold`` seconds. Inconsistent: a probe of the model speaks; wins over the others. A read-out
-    that is only repeated is not ``counted``.
+    prior's variance is left in this read-out direction, or updates are held for long. Informative:
+    below ``informative`` for ``hold`` seconds. Inconsistent: a probe of the model speaks; wins over
+    the others. A read-out that is only repeated is not ``counted``.
     """
     half = 1.96 * out.stiffness_std
     if half > params.starved * math.fabs(out.stiffness):
@@ -176,7 +177,7 @@ def decide(
     if half >= params.informative * out.stiffness:
         state.narrow = 0
     verdict = CONVERGING
-    if status & (PRIOR | WIDE) != 0:
+    if status & (PRIOR | WIDE | STILL) != 0:
         verdict = STARVED
     elif state.narrow * params.period >= params.hold:
         verdict = INFORMATIVE

@@ -158,6 +158,22 @@ def read_basis(terms: Any, out: Any) -> None:
         out.H[first + h] = terms.H[h]
 
 
+def read_pair(terms: Any, terms2: Any, out: Any) -> None:
+    """Copy the bases of two transmissions into a row they share: in turns, agonist first."""
+    first = len(out.F) - 2 * len(terms.F)
+    for h in range(first):
+        out.F[h] = 0.0
+        out.D[h] = 0.0
+        out.H[h] = 0.0
+    for h in range(len(terms.F)):
+        out.F[first + 2 * h] = terms.F[h]
+        out.D[first + 2 * h] = terms.D[h]
+        out.H[first + 2 * h] = terms.H[h]
+        out.F[first + 2 * h + 1] = terms2.F[h]
+        out.D[first + 2 * h + 1] = terms2.D[h]
+        out.H[first + 2 * h + 1] = terms2.H[h]
+
+
 def emit(operator: Any, started: int, enable: int, out: Any) -> None:
     """Write what an operator made to a row; ``started`` tells raw terms seen since the start."""
     out.y = operator.value[Y]

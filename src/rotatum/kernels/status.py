@@ -38,6 +38,8 @@ OFFSET = 32768
 DRIFT = 65536
 NEGATIVE = 131072
 VELOCITY = 262144
+HELD = 524288
+STILL = 1048576
 
 REJECTED = NOT_FINITE | REPEATED | BACKWARDS | SATURATED
 WRONG = LAG | INERTIA | OFFSET | DRIFT | NEGATIVE | VELOCITY
@@ -109,6 +111,17 @@ TABLE: tuple[Status, ...] = (
         VELOCITY,
         "the residual follows the link's velocity: a skew between the encoder channels, or viscous "
         "friction that is not modelled; fit `skew` or `damping`",
+    ),
+    Status(
+        "held",
+        HELD,
+        "updates are held: the link is near a standstill, or has just been (selective updates)",
+    ),
+    Status(
+        "still",
+        STILL,
+        "updates have been held for a second or longer: the stiffness is read out of what was "
+        "learnt before, and nothing confirms it",
     ),
 )
 

@@ -38,7 +38,8 @@ class EstimatorSettings(Table):
     method; side "motor" or "link"; torque "estimated", "sensor" or "model"; cutoff [rad/s] or
     window [s]; fit: quantities fitted beside the stiffness; payload_frame, payload_position [m in
     it]: where a fitted payload is (the origin of the arm's last frame); forgetting in (0, 1];
-    shrinkage: whether high orders are shrunk as far as the data do not ask for them; period [s]: of
+    shrinkage: whether high orders are shrunk as far as the data do not ask for them; selective
+    [rad/s]: link speed below which nothing is learnt; period [s]: of
     the logs this device writes (one that differs by more than 1 % is refused; stands in for a time
     channel where a log has none).
     """
@@ -53,6 +54,7 @@ class EstimatorSettings(Table):
     payload_position: tuple[Real, Real, Real] | None = None
     forgetting: Annotated[float, Field(strict=True, gt=0.0, le=1.0)] | None = None
     shrinkage: Annotated[bool, Field(strict=True)] | None = None
+    selective: Annotated[float, Field(strict=True, ge=0.0)] | None = None
     period: Positive | None = None
 
     @model_validator(mode="after")

@@ -23,6 +23,7 @@ class Choices:
     forgetting: float | None = None
     solver: str | None = None
     shrinkage: bool | None = None
+    selective: float | None = None
     start: float | None = None
 
     def over(self, filed: object) -> Choices:
@@ -45,6 +46,7 @@ class Choices:
             forgetting=chosen["forgetting"],
             solver=chosen["solver"],
             shrinkage=chosen["shrinkage"],
+            selective=chosen["selective"],
             start=chosen["start"],
         )
 

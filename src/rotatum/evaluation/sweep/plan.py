@@ -128,6 +128,7 @@ def _check_choices(scenarios: Sequence[Scenario], choices: Choices) -> None:
             forgetting=told.forgetting,
             solver=told.solver,
             shrinkage=told.shrinkage,
+            selective=told.selective,
         )
         try:
             for joint in scenario.device.joints:

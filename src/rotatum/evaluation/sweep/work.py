@@ -150,6 +150,7 @@ def _scored(log: Log, device: Device, choices: Choices) -> dict[str, dict[str, A
         forgetting=choices.forgetting,
         solver=choices.solver,
         shrinkage=choices.shrinkage,
+        selective=choices.selective,
         start=choices.start,
     )
     return {name: joint_values(joint, log) for name, joint in found.joints.items()}

@@ -42,6 +42,7 @@ class EstimateTable(Part):
     forgetting: Annotated[float, Field(strict=True, gt=0.0, le=1.0)] | None = None
     solver: Literal["ud", "covariance", "continuous"] | None = None
     shrinkage: Annotated[bool, Field(strict=True)] | None = None
+    selective: NonNegative | None = None
     start: NonNegative | None = None
 
     def options(self) -> list[str]:
