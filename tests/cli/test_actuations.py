@@ -15,7 +15,7 @@ from tests.cli.runs import run
 from tests.report.scenes import lever_log, pair_log
 
 LOGS = {"vsa-ii": pair_log, "awas": lever_log}
-OTHER_TORQUES = (("vsa-ii", "model"), ("awas", "model"), ("awas", "sensor"))
+OTHER_TORQUES = (("vsa-ii", "sensor"), ("vsa-ii", "model"), ("awas", "model"), ("awas", "sensor"))
 
 
 @pytest.fixture(scope="module")
@@ -84,14 +84,25 @@ def test_a_serial_joint_is_one_line(folder: Path) -> None:
     assert "awas: informative" in done.out
 
 
-@pytest.mark.parametrize(
-    ("name", "torque"),
-    [
-        ("vsa-ii", "sensor"),
-        # one stage more to compile for each of these
-        *(pytest.param(*pair, marks=pytest.mark.slow) for pair in OTHER_TORQUES),
-    ],
-)
+def test_torque_from_a_sensor(folder: Path) -> None:
+    # A line and a cube are enough at the AwAS's deflections, and others compile that stage.
+    few = folder / "few.toml"
+    known = (folder / "awas.toml").read_text("utf-8")
+    assert "orders = 3\n" in known
+    few.write_text(known.replace("orders = 3\n", "orders = 2\n", 1), encoding="utf-8")
+    done = run("estimate", folder / "awas.csv", "-d", few, "--torque", "sensor", "--json")
+    assert done.code == 0, done.err
+    told = json.loads(done.out)
+    assert told["torque"] == "sensor"
+    assert told["joints"]["awas"]["verdict"] == "informative"
+    assert told["joints"]["awas"]["stiffness"]["final"] == pytest.approx(
+        final_truth("awas"), rel=0.01
+    )
+
+
+# One stage more to compile for each of these.
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "torque"), OTHER_TORQUES)
 def test_torque_from_elsewhere(folder: Path, name: str, torque: str) -> None:
     told = estimate(folder, name, "--torque", torque)
     assert told["torque"] == torque

@@ -17,7 +17,7 @@ def test_the_table_tells_every_method_and_what_is_left_out(scene: Scene) -> None
     log = small_log().columns()
     del log["elbow.torque_measured"]
     write_table(scene.log, log)
-    done = run("compare", scene.log, "--device", scene.device, "--from", 2)
+    done = run("compare", scene.log, "--device", scene.device, "--from", 2, "--window", 0.2)
     assert done.code == 0
     words = ("algebraic", "residual", "weak, window", "link", "MSREP", "Left out", "Recommended")
     for word in words:

@@ -6,6 +6,7 @@ from functools import lru_cache
 from statistics import median
 
 import numpy as np
+import pytest
 
 import rotatum as rt
 from rotatum.evaluation.confounded import null_directions
@@ -13,25 +14,41 @@ from rotatum.evaluation.confounded import null_directions
 NOISE = 0.1  # N m at the joint: 2 mN m at the motor, behind its gear of 50
 
 
+# A joint without dry friction, its spring straight and its link free: a sine in, sines everywhere.
+SERIES = {
+    "seconds": 40.0,
+    "drives.tau": {"kind": "sine", "amplitude": 15.0, "frequency": 0.1},
+    "truth.transmission.cubic": 0.0,
+    "truth.motor.coulomb": 0.0,
+    "told.motor.coulomb": 0.0,
+    "truth.link.gravity_torque": 0.0,
+    "told.link.gravity_torque": 0.0,
+}
+BOTH = ("series", pytest.param("awas", marks=pytest.mark.slow))  # a stage more to compile
+
+
 @lru_cache(maxsize=4)
-def awas(seed: int) -> tuple[rt.Device, rt.Log]:
-    """A free link under one slow sine of torque, the lever arm moving slowly."""
-    scenario = rt.load_scenario("flacco2012/table2").with_values({"sensors.noise.tau": NOISE})
+def driven(name: str, seed: int) -> tuple[rt.Device, rt.Log]:
+    """A free link under one slow sine of torque, the lever arm of the AwAS moving slowly."""
+    values = SERIES if name == "series" else {}
+    scenario = rt.load_scenario("trouble/clean" if name == "series" else "flacco2012/table2")
+    scenario = scenario.with_values({**values, "sensors.noise.tau": NOISE})
     return scenario.device, scenario.run(seed=seed)
 
 
-def one(seed: int, fit: tuple[str, ...], **options: float) -> rt.JointEstimate:
-    device, log = awas(seed)
+def one(name: str, seed: int, fit: tuple[str, ...], **options: float) -> rt.JointEstimate:
+    device, log = driven(name, seed)
     (joint,) = rt.estimate(log, device, fit=fit, **options).joints.values()
     return joint
 
 
-def test_inertia_and_damping_under_one_slow_sine_are_refused_by_name() -> None:
+@pytest.mark.parametrize("name", BOTH)
+def test_inertia_and_damping_under_one_slow_sine_are_refused_by_name(name: str) -> None:
     """Acceleration, velocity and torque of one sine lie in a plane: three columns, two directions.
 
     The stiffness that least squares finds there is off by half, with a narrow formal interval.
     """
-    joint = one(0, ("inertia", "damping"))
+    joint = one(name, 0, ("inertia", "damping"))
     assert joint.verdict == "starved"
     assert joint.confounded == (("inertia", "damping", "stiffness"),)
     assert "does not tell inertia, damping and stiffness apart" in joint.reason
@@ -42,9 +59,10 @@ def test_inertia_and_damping_under_one_slow_sine_are_refused_by_name() -> None:
     assert joint.to_json()["confounded"] == [["inertia", "damping", "stiffness"]]
 
 
-def test_a_cutoff_that_lets_the_noise_in_does_not_make_them_known() -> None:
+@pytest.mark.parametrize("name", BOTH)
+def test_a_cutoff_that_lets_the_noise_in_does_not_make_them_known(name: str) -> None:
     """At 300 rad/s the acceleration is noise: the inertia is named, and nothing is claimed."""
-    joint = one(0, ("inertia", "damping"), cutoff=300.0)
+    joint = one(name, 0, ("inertia", "damping"), cutoff=300.0)
     truth = joint.truth_records["stiffness"][-1]
     covered = abs(joint.stiffness["final"] - truth) <= 1.96 * joint.stiffness_std
     assert joint.verdict != "informative" or covered
@@ -52,7 +70,7 @@ def test_a_cutoff_that_lets_the_noise_in_does_not_make_them_known() -> None:
 
 
 def test_inertia_alone_is_told() -> None:
-    found = [one(seed, ("inertia",)) for seed in range(3)]
+    found = [one("awas", seed, ("inertia",)) for seed in range(3)]
     for joint in found:
         truth = float(joint.truth_records["stiffness"][-1])
         assert abs(joint.stiffness["final"] / truth - 1.0) <= 0.02

@@ -134,7 +134,8 @@ def test_bad_settings_say_what_is_allowed(options: dict[str, Any], told: str) ->
 
 
 def test_an_estimated_torque_needs_the_inertia() -> None:
-    bare = device("one", motor={"gear_ratio": 80.0})
+    basis = {"deflection_range": 0.1, "orders": 2}  # a stage that others compile as well
+    bare = device("one", motor={"gear_ratio": 80.0}, basis=basis)
     with pytest.raises(MethodError, match="inertia"):
         rt.Estimator(bare, period=PERIOD)
     rt.Estimator(bare, period=PERIOD, fit=["inertia", "offset"])

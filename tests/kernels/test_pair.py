@@ -196,7 +196,8 @@ def test_noise_of_the_link_encoder_is_in_both():
         "actuation": "antagonistic",
         "motor": [{"inertia": B}, {"inertia": B}],
         "transmission": {"zero": 0.0},
-        "estimator": {"method": "weak", "cutoff": 100.0, "fit": []},
+        "basis": {"deflection_range": 0.05, "orders": 2},
+        "estimator": {"method": "weak", "cutoff": 100.0, "fit": ["offset"]},
     }
     prepared = Estimator(device_from_tables(tables, "test"), period=T).prepared[0]
     rng = np.random.default_rng(102)

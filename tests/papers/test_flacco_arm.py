@@ -82,6 +82,7 @@ def test_through_the_program(tmp_path: Path, found: rt.Estimate) -> None:
             assert part["stiffness"] == pytest.approx(own.stiffness, abs=apart)
 
 
+@pytest.mark.slow
 def test_the_case_by_the_papers_settings_and_by_weak(outcome: Outcome) -> None:
     for name, part in product(JOINTS, ("1", "2", "total")):
         for label in (f"{name} {part}, MSREP", f"{name} {part}, MSREP, worst of 3 seeds"):
@@ -98,6 +99,7 @@ def test_the_case_by_the_papers_settings_and_by_weak(outcome: Outcome) -> None:
         assert all(np.all(np.isfinite(curve.y)) for curve in plot.curves)
 
 
+@pytest.mark.slow
 def test_the_workspace_is_explored_in_the_horizontal_plane_only(outcome: Outcome) -> None:
     def way(plane: str, name: str) -> float:
         ends = [outcome.value(f"{plane}{name}, {end} angle").own for end in ("highest", "lowest")]
@@ -116,6 +118,7 @@ def test_the_workspace_is_explored_in_the_horizontal_plane_only(outcome: Outcome
     assert way("vertical plane: ", "shoulder") > 2.0 * 0.1 / load
 
 
+@pytest.mark.slow
 def test_gravity_does_not_matter_to_the_motors_side(outcome: Outcome) -> None:
     for name in JOINTS:
         line = outcome.value(f"vertical plane: {name} total, MSREP")

@@ -22,6 +22,8 @@ TROUBLES = tuple(
     if name.startswith("trouble/") and name != "trouble/co-contraction"
 )
 REFUSED = ("converging", "inconsistent", "starved")
+# Line and cube are the spring's own: nothing to shrink, and the stage is one of the ready-made.
+SENSOR: Mapping[str, Any] = {"torque": "sensor", "shrinkage": False}
 
 # Of the motion of trouble/clean: rms deflection, rms elastic torque, fastest link.
 DEFLECTION = 0.0209  # rad
@@ -150,7 +152,9 @@ def test_every_bound_is_of_a_trouble() -> None:
         ("clock-drift", ("inertia", "offset"), NOTHING),
         ("torque-delay", ("inertia", "offset"), NOTHING),
         ("damping", ("damping", "offset"), NOTHING),
-        ("coulomb", ("coulomb", "damping", "offset"), NOTHING),
+        ("coulomb", ("coulomb", "offset"), NOTHING),
+        # one stage more to compile
+        pytest.param("coulomb", ("coulomb", "damping", "offset"), NOTHING, marks=pytest.mark.slow),
         # The reading at the last deflection stays late by 1 ms; the skew's column takes the
         # spring for a straight one, which it is not by 10 %: so much of the skew stays.
         ("skew", ("skew", "offset"), Bound(0.001 * SPEED, 0.002)),
@@ -177,7 +181,7 @@ def test_the_fitted_quantities_are_the_true_ones() -> None:
     ["coulomb", "load-friction", "rotor-inertia", "saturation", "stribeck", "torque-delay"],
 )
 def test_a_torque_sensor_knows_nothing_of_the_motor(trouble: str) -> None:
-    joint, true, slope = run(trouble, torque="sensor")
+    joint, true, slope = run(trouble, **SENSOR)
     assert joint.verdict == "informative"
     assert missed(joint, true, slope, NOTHING) <= 0.0
 
@@ -227,14 +231,15 @@ def test_less_bandwidth_lives_with_a_bad_clock(trouble: str) -> None:
 
 def test_a_wrong_torque_scale_shows_only_against_a_known_inertia() -> None:
     # 1.4 times the torque, the inertia and the stiffness: the same residual
-    for how in ({"fit": ("inertia", "damping", "coulomb", "offset")}, {"torque": "sensor"}):
+    # The damping is missed by 0.4 of it: a torque in quadrature with the spring's.
+    for how in ({"fit": ("inertia", "coulomb")}, SENSOR):
         joint, true, _ = run("torque-gain", **how)
         assert joint.verdict == "informative"
         assert joint.stiffness["final"] == pytest.approx(1.4 * true, rel=0.01)
 
 
 def test_a_wrong_sign_stays_refused() -> None:
-    for how in ({"fit": ("inertia", "offset")}, {"torque": "sensor"}):
+    for how in ({"fit": ("inertia", "offset")}, SENSOR):
         joint, _, _ = run("torque-sign", **how)
         assert joint.verdict == "inconsistent"
         assert "negative" in joint.reason
