@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks import batch, commands, native, online, scenario, simulation
+from benchmarks import arm, batch, commands, native, online, scenario, simulation
 from benchmarks.table import Figure, as_json, as_text
 from benchmarks.timing import say
 
@@ -27,7 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument(
         "--only",
-        choices=("batch", "online", "simulation", "commands"),
+        choices=("batch", "online", "arm", "simulation", "commands"),
         help="only this group of figures",
     )
     parser.add_argument(
@@ -65,6 +65,8 @@ def _figures(options: argparse.Namespace, directory: Path) -> list[Figure]:
                 found += batch.figures(case, joint, directory, options.repetitions, targets)
     if only in (None, "online"):
         found += online.figures(max(1, options.repetitions // 10))
+    if only in (None, "arm"):
+        found += arm.figures(directory, max(1, options.repetitions // 10))
     if only in (None, "simulation"):
         found += simulation.figures(directory, max(1, options.repetitions // 20))
     if only in (None, "commands"):

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rotatum.estimators.armterms import arm_terms
+from rotatum.estimators.armterms import Views, arm_terms, views
 from rotatum.estimators.shapes import roles
 from rotatum.estimators.tuning import MISSING, Prepared, fill_guard
 from rotatum.kernels import arm, guard
@@ -19,6 +19,7 @@ from rotatum.runtime.bank import Bank
 from rotatum.runtime.stage import Stage
 
 Array = NDArray[np.float64]
+Places = NDArray[np.intp] | slice
 FIELDS = {"q": "q", "theta": "theta", "theta1": "theta", "theta2": "theta2", "setpoint": "setpoint"}
 """Role of a channel to the field of ``ArmSample`` it goes to."""
 
@@ -69,27 +70,31 @@ class ArmFront:
             fill_guard(params["guard"][0], p.joint, p.settings, p.notes, i, len(prepared))
         params["arm"]["period"] = prepared[0].settings.operator.period
         self.bank = Bank(stage, params)
-        self.u = stage.input.zeros(1)
-        self.out = stage.output.zeros(1)
-
-        joints = prepared[0].stage.input
-        self.fields = tuple(name for name in joints.fields if name != "enable")
-        self.joints = joints.zeros(len(prepared))
+        self._u, self._out = stage.input.zeros(1), stage.output.zeros(1)
+        self._sample, self._steps = views(self._u), views(self._out)
+        self._moved = tuple(dict.fromkeys(FIELDS[role] for own in self.roles for role in own))
+        samples = prepared[0].stage.input.zeros(1, len(prepared))
+        self.joints = samples[0]
+        self._joints = views(samples)
 
     def reset(self) -> None:
         """Forget everything."""
         self.bank.reset()
         self.terms.reset()
 
-    def put(self, role: str, places: NDArray[np.intp], values: Any) -> None:
+    def put(self, role: str, places: Places, values: Any) -> None:
         """Put one sample of a channel of some joints where ``advance`` reads it."""
-        self.u[FIELDS[role]][0, places] = values
+        self._sample[FIELDS[role]][0, places] = values
+
+    def enable(self, places: Places, values: Any) -> None:
+        """Say whether some joints learn from the sample."""
+        self._joints["enable"][0, places] = values
 
     def advance(self, time: float) -> int:
         """Take the sample that was put; returns how many steps, a refusal being one, it makes."""
-        self.u["time"] = time
-        self.bank.update(self.u, self.out)
-        return max(1, int(self.out["steps"][0]))
+        self._sample["time"][0] = time
+        self.bank.update(self._u, self._out)
+        return max(1, int(self._steps["steps"][0]))
 
     def batch(self, time: Array, channels: Sequence[Mapping[str, Array]]) -> Records:
         """Input records of a batch, (N, 1).
@@ -115,30 +120,30 @@ class ArmFront:
         Returns:
             (S, n) records, and (N,) the row whose output is the sample's.
         """
-        steps = self.bank.run(u)[:, 0]
+        steps = views(self.bank.run(u)[:, 0])
         last = np.cumsum(np.maximum(steps["steps"], 1)) - 1
         found = layout.zeros(int(last[-1]) + 1 if len(last) else 0, len(self.prepared))
         found["enable"] = 1
-        row = 0
-        for time, one in zip(u["time"][:, 0], steps, strict=True):
-            for k in range(max(1, int(one["steps"]))):
-                self._fill(found[row], one, k, time)
+        to, row = views(found), 0
+        for i, time in enumerate(u["time"][:, 0]):
+            for k in range(max(1, int(steps["steps"][i]))):
+                self._fill(to, row, steps, i, k, time)
                 row += 1
         return found, last
 
     def fill(self, k: int, time: float) -> None:
         """Fill step k of the sample that was advanced into ``joints``, all but ``enable``."""
-        self._fill(self.joints, self.out[0], k, time)
+        self._fill(self._joints, 0, self._steps, 0, k, time)
 
-    def _fill(self, target: Records, one: Any, k: int, time: float) -> None:
+    def _fill(self, to: Views, row: int, steps: Views, i: int, k: int, time: float) -> None:
         """A refused sample, and the last step of one, have the sample's time and status."""
-        count = int(one["steps"])
-        target["hold"] = int(count == 0)
-        target["status"] = one["status"] if k >= count - 1 else 0
-        target["time"] = time if k >= count - 1 else one["time"][k]
+        count = int(steps["steps"][i])
+        to["hold"][row] = count == 0
+        to["status"][row] = steps["status"][i] if k >= count - 1 else 0
+        to["time"][row] = time if k >= count - 1 else steps["time"][i, k]
         if count == 0:
             return
-        for field in ("q", "theta", "theta2", "setpoint"):
-            target[field] = one[field][k]
-        target["fresh"] = one["fresh"] if k == 0 else 0
-        self.terms.fill(target, one, k)
+        for field in self._moved:
+            to[field][row] = steps[field][i, k]
+        to["fresh"][row] = steps["fresh"][i] if k == 0 else 0
+        self.terms.fill(to, row, steps, i, k)

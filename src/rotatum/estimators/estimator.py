@@ -18,6 +18,7 @@ from rotatum.models import Device
 from rotatum.record import Records
 
 Array = NDArray[np.float64]
+ALL = slice(None)
 ARM_BATCH = 4096  # samples of an arm at once: with room for bridged ones they are large
 
 
@@ -179,8 +180,12 @@ class Estimator:
                 if self._arm is None:
                     u[role] = own
                 else:
-                    self._arm.put(role, group.places, own)
-            u["enable"] = enable if alone else np.broadcast_to(enable, (n,))[group.places]
+                    self._arm.put(role, ALL if alone else group.places, own)
+            learn = enable if alone else np.broadcast_to(enable, (n,))[group.places]
+            if self._arm is None:
+                u["enable"] = learn
+            else:
+                self._arm.enable(ALL if alone else group.places, learn)
         self._samples += 1
         if self._arm is not None:
             self._update_arm(self._arm, now)
@@ -192,9 +197,11 @@ class Estimator:
     def _update_arm(self, arm: ArmFront, now: float) -> None:
         for k in range(arm.advance(now)):
             arm.fill(k, now)
+            if len(self.groups) == 1:
+                self.groups[0].bank.update(arm.joints, self.groups[0].out)
+                continue
             for group in self.groups:
-                for field in arm.fields:
-                    group.u[field] = arm.joints[field][group.places]
+                np.take(arm.joints, group.places, out=group.u, mode="clip")
                 group.bank.update(group.u, group.out)
 
     def run(self, time: Array, channels: Sequence[Mapping[str, Array]]) -> list[Records]:

@@ -16,7 +16,10 @@ from rotatum.runtime.bank import Bank
 
 
 class Group:
-    """Joints that share a stage: their bank, their places in the device, their input and output."""
+    """Joints that share a stage: their bank, their places in the device, their input and output.
+
+    ``roles`` are the channels of the log its input is made of.
+    """
 
     def __init__(self, prepared: Sequence[Prepared], places: Sequence[int]) -> None:
         self.prepared = tuple(prepared)
@@ -26,12 +29,8 @@ class Group:
         self.u = stage.input.zeros(len(prepared))
         self.u["enable"] = 1
         self.out = stage.output.zeros(len(prepared))
-
-    @property
-    def roles(self) -> tuple[str, ...]:
-        """Channels of the log this group's input record is made of."""
-        shape = self.prepared[0].shape
-        return roles(shape.actuation, shape.torque, shape.side)
+        shape = prepared[0].shape
+        self.roles = roles(shape.actuation, shape.torque, shape.side)
 
 
 class Readings:

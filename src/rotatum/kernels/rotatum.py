@@ -25,6 +25,9 @@ RATE = 1
 ACCELERATION = 2
 JERK = 3
 """Places in what the observer estimates."""
+MOTION = 2
+WHOLE = 4
+"""How much of it is wanted: of motors and set-points, and of the link."""
 
 
 class RotatumParams(Record):
@@ -52,7 +55,10 @@ class RotatumSample(Record):
     theta = number("motor position, joint side; the agonist's of two", unit="rad", symbol="theta")
     theta2 = number("the antagonist's", unit="rad", symbol="theta_2")
     setpoint = number("set-point as logged, 0: there is none", symbol="s")
-    rotatum = number("of the arm, lag samples ago, without friction", unit="N m/s", symbol="p_e")
+    angle = number("of the link as the arm observed it, lag samples ago", unit="rad")
+    rate = number("its velocity then", unit="rad/s")
+    acceleration = number("its acceleration then", unit="rad/s^2")
+    rotatum = number("of the arm then, without friction", unit="N m/s", symbol="p_e")
     enable = integer("0: do not learn from this sample")
     fresh = integer("1: the filters must start at this sample")
 
@@ -105,7 +111,7 @@ def pair_step(params: Any, state: Any, u: Any, out: Any) -> None:
         unknown_input.restart(params.observer, state.motor2)
     _observe(params, state, u, known)
     if known != 0:
-        _push(params, state, state.motor2, u.theta2)
+        _push(params, state, state.motor2, u.theta2, MOTION)
     if state.rotatum.made != 0:
         link = state.link.estimate
         _rates(params, state, state.terms, link, state.motor.estimate, state.zero.zero)
@@ -128,16 +134,22 @@ def _observe(params: Any, state: Any, u: Any, known: int) -> None:
         unknown_input.restart(params.observer, state.lever)
     if known != 0:
         s.count = s.count + 1
-        _push(params, state, state.link, u.q)
-        _push(params, state, state.motor, u.theta)
+        _push(params, state, state.motor, u.theta, MOTION)
         if params.basis.setpoint_order > 0:
-            _push(params, state, state.lever, u.setpoint)
-        s.made = state.link.valid
+            _push(params, state, state.lever, u.setpoint, MOTION)
+        if params.rotatum.arm == 0:
+            _push(params, state, state.link, u.q, WHOLE)
+        else:
+            # The arm has observed all its links: none is observed twice.
+            state.link.estimate[ANGLE] = u.angle
+            state.link.estimate[RATE] = u.rate
+            state.link.estimate[ACCELERATION] = u.acceleration
+        s.made = state.motor.valid
 
 
-def _push(params: Any, state: Any, observer: Any, value: float) -> None:
+def _push(params: Any, state: Any, observer: Any, value: float, wanted: int) -> None:
     state.rotatum.sample[0] = value
-    unknown_input.push(params.observer, observer, state.rotatum.sample)
+    unknown_input.push(params.observer, observer, state.rotatum.sample, wanted)
 
 
 def _rates(params: Any, state: Any, terms: Any, link: Any, motor: Any, zero: float) -> None:
@@ -168,7 +180,7 @@ def _emit(state: Any, enable: int, out: Any) -> None:
         out.fresh = 1
     out.status = 0
     out.valid = state.rotatum.made
-    if state.link.settled == 0:
+    if state.motor.settled == 0:
         out.valid = 0
         out.status = SETTLING
     if enable == 0:

@@ -80,6 +80,10 @@ class Robot(ABC):
     def coriolis_transposed(self, q: Array, dq: Array) -> Array:
         """Return C(q, q')^T q' = dT/dq, (n,) N m, without forming C where that is possible."""
 
+    def momentum(self, q: Array, dq: Array) -> tuple[Array, Array]:
+        """Return p = M(q) q' and C(q, q')^T q', (n,) N m s and (n,) N m: p' - C^T q' + g = tau."""
+        return self.mass(q) @ dq, self.coriolis_transposed(q, dq)
+
     @abstractmethod
     def mass_rate(self, q: Array, dq: Array) -> Array:
         """Return dM/dt along the motion, (n, n) kg m^2/s."""

@@ -124,6 +124,13 @@ class UrdfRobot(Robot):
         product: Array = dq @ slopes[0]
         return 0.5 * product
 
+    def momentum(self, q: Array, dq: Array) -> tuple[Array, Array]:
+        """Return p = M(q) q' and C(q, q')^T q', (n,) N m s and (n,) N m, from one call."""
+        force = self.coriolis_transposed(q, dq)
+        # What was differentiated is M(q) w at w = q'.
+        p: Array = self._free_data.tau.copy()
+        return p, force
+
     def mass_rate(self, q: Array, dq: Array) -> Array:
         """Return dM/dt = C + C^T, (n, n) kg m^2/s."""
         c: Array = self._pin.computeCoriolisMatrix(self._model, self._data, q, dq)
@@ -149,10 +156,11 @@ class UrdfRobot(Robot):
 
     def inverse_dynamics_rate(self, q: Array, dq: Array, ddq: Array, dddq: Array) -> Array:
         """Return d/dt (M q'' + C q' + g) along the motion, (n,) N m/s (trumic2022 eq. 9)."""
-        by_q, by_dq, _ = self._pin.computeRNEADerivatives(self._model, self._data, q, dq, ddq)
-        rate: Array = by_q @ dq + by_dq @ ddq
-        jerk: Array = self._pin.rnea(self._free, self._free_data, q, self._still, dddq)
-        return rate + jerk
+        slopes = self._pin.computeRNEADerivatives(self._model, self._data, q, dq, ddq)
+        rate: Array = slopes[0].dot(dq)
+        rate += slopes[1].dot(ddq)
+        rate += slopes[2].dot(dddq)
+        return rate
 
     def accelerate(self, q: Array, dq: Array, torque: Array) -> Array:
         """Return q'' = M^-1 (torque - C q' - g), (n,) rad/s^2."""
