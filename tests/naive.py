@@ -276,3 +276,64 @@ def autoregressive(rng: np.random.Generator, size: int, a: float) -> Array:
     for k in range(1, size):
         x[k] = a * x[k - 1] + e[k]
     return x
+
+
+def stencils(x: Array, period: float) -> Array:
+    """Value and three derivatives of the quartic through five samples, at the middle one: (4, N-4).
+
+    The textbook's central differences: of order 4, 4 and 2.
+    """
+    a, b, c, d, e = (x[i : len(x) - 4 + i] for i in range(5))
+    T = period
+    return np.stack(
+        [
+            c,
+            (a - 8.0 * b + 8.0 * d - e) / (12.0 * T),
+            (-a + 16.0 * b - 30.0 * c + 16.0 * d - e) / (12.0 * T**2),
+            (e - 2.0 * d + 2.0 * b - a) / (2.0 * T**3),
+        ]
+    )
+
+
+def rotatum_rows(
+    q: Array,
+    theta: Array,
+    s: Array,
+    powers: list[tuple[int, int]],
+    *,
+    inertia: float,
+    damping: float,
+    gravity: float,
+) -> tuple[Array, Array]:
+    """trumic2022 eq. 10 of a pendulum with tied columns: ``y (N,)``, ``R (N, b)``, of one instant.
+
+    ``q``, ``theta``, ``s`` are (4, N): value and derivatives. Terms are ``phi^i s^j``, unscaled.
+    """
+    phi, rate = q[0] - theta[0], q[1] - theta[1]
+    y = -(inertia * q[3] + damping * q[2] + gravity * np.cos(q[0]) * q[1])
+    columns = []
+    for i, j in powers:
+        column = i * phi ** (i - 1) * s[0] ** j * rate
+        if j:
+            column = column + phi**i * j * s[0] ** (j - 1) * s[1]
+        columns.append(column)
+    return y, np.stack(columns, axis=1)
+
+
+def gated(
+    speeds: Array, low: float, high: float, span: int, hold: int
+) -> tuple[list[bool], list[bool]]:
+    """Whether a row is held back, and whether that is called a standstill, sample by sample."""
+    opened: int | None = None
+    held, still = [], []
+    last = -1
+    for k, speed in enumerate(speeds):
+        if speed < low:
+            opened = None
+        elif opened is None and speed > high:
+            opened = k
+        free = opened is not None and k - opened + 1 >= span
+        held.append(not free)
+        last = k if free else last
+        still.append(not free and k - last >= hold)
+    return held, still

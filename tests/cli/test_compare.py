@@ -35,10 +35,10 @@ def test_json_report_and_table(scene: Scene) -> None:
     )  # fmt: skip
     assert done.code == 0
     told = json.loads(done.out)["joints"]["elbow"]
-    assert len(told["methods"]) == 7
+    assert len(told["methods"]) == 8
     assert "200 rad/s" in told["methods"][0]["width"]
     assert told["recommendation"]["torque"] == "sensor"
-    assert len(table.read_text("utf-8").splitlines()) == 8
+    assert len(table.read_text("utf-8").splitlines()) == 9
     page = report.read_text("utf-8")
     assert page.startswith("<!DOCTYPE html>")
     assert "Methods compared on elbow" in page

@@ -99,6 +99,7 @@ def test_what_the_device_lacks_is_said() -> None:
     told = {(out.name, out.side): out.why for out in found.left_out}
     assert "motor's inertia" in told["residual", "motor"]
     assert "link's inertia" in told["weak", "link"]
+    assert "link's inertia" in told["rotatum", "link"]
 
 
 def test_nothing_that_can_run_is_an_error_with_all_reasons() -> None:
@@ -132,6 +133,17 @@ def test_widths_go_to_the_methods_that_have_them() -> None:
             assert (told.cutoff, told.window) == (None, 0.3)
         else:
             assert (told.cutoff, told.window) == (100.0, None)
+
+
+def test_a_filed_cutoff_is_the_low_passes_or_the_observers() -> None:
+    rotatum = next(c for c in CANDIDATES if c.method == "rotatum")
+    weak = CANDIDATES[0]
+    own = DEVICE.replace('"weak"\ncutoff = 300.0', '"rotatum"\nside = "link"\ncutoff = 80.0')
+    own = own.replace('fit = ["offset"]\n', "")
+    for text, expected in ((DEVICE, (300.0, None)), (own, (None, 80.0))):
+        device = small_device(text)
+        told = [variant(device, one, Widths()).joints[0].estimator for one in (weak, rotatum)]
+        assert tuple(one.cutoff for one in told) == expected
 
 
 def test_an_unknown_quantity_is_refused() -> None:
@@ -168,6 +180,5 @@ def test_progress_names_the_method_and_comes_to_its_end() -> None:
         assert expected == small_log().samples
 
     compare(without(["tau", "torque_measured"]), small_device(), start=2.0, progress=progress)
-    assert seen == dict.fromkeys(
-        ["weak, link side", "weak, window, link side"], small_log().samples
-    )
+    labels = ["weak, link side", "weak, window, link side", "rotatum, link side"]
+    assert seen == dict.fromkeys(labels, small_log().samples)

@@ -30,13 +30,13 @@ DeviceName = Annotated[
 ]
 Method = Annotated[
     str | None,
-    typer.Option(help="weak, algebraic or residual; else the device file's, else weak."),
+    typer.Option(help="weak, algebraic, residual or rotatum; else the device file's, else weak."),
 ]
 Side = Annotated[
     str | None,
     typer.Option(
-        help="Side of the torque balance: motor, or link, which reads no torque (weak only); else "
-        "the device file's, else motor."
+        help="Side of the torque balance: motor, or link, which reads no torque (weak, rotatum); "
+        "else the device file's, else motor, of rotatum link."
     ),
 ]
 Torque = Annotated[

@@ -23,7 +23,16 @@ _STYLES = {
 }
 
 # What stands below the tables; the report has all of them.
-_SETTINGS = ("cutoff", "window", "fit", "forgetting", "solver", "shrinkage", "selective")
+_SETTINGS = (
+    "cutoff",
+    "window",
+    "bandwidth",
+    "fit",
+    "forgetting",
+    "solver",
+    "shrinkage",
+    "selective",
+)
 
 
 def print_estimate(console: Console, estimate: Estimate) -> None:

@@ -33,13 +33,14 @@ class Estimator:
     Args:
         device: from ``load_device``.
         period: sample period, s.
-        method: ``"weak"``, ``"algebraic"`` or ``"residual"``; ``None``: the device file's, then
-            ``"weak"``.
+        method: ``"weak"``, ``"algebraic"``, ``"residual"`` or ``"rotatum"``; ``None``: the device
+            file's, then ``"weak"``.
         side: of the torque balance, ``"motor"`` or ``"link"``.
         torque: ``"estimated"``, ``"sensor"`` or ``"model"``.
-        cutoff: of the low-pass, rad/s; or
+        cutoff: of the low-pass, or of the observer of ``rotatum`` (infinite: deadbeat), rad/s; or
         window: that rows look back, s.
-        order: poles of the low-pass (2, 3), or power of the window (2 to 5).
+        order: poles of the low-pass (2, 3), power of the window (2 to 5), or samples by which the
+            observer is late.
         stride: samples from one row of a window to the next.
         fit: columns fitted beside the stiffness.
         forgetting: weight of a row relative to the next one, 0.998 to 1.

@@ -133,8 +133,17 @@ def fill_friction(
     )
 
 
-def fill_gate(record: Any, joint: Joint, settings: Settings, notes: dict[str, str]) -> None:
+def fill_gate(
+    record: Any, joint: Joint, settings: Settings, delay: float, notes: dict[str, str]
+) -> None:
     """Fill ``GateParams``: a velocity as quick as the encoder's counts allow at that speed.
+
+    Args:
+        record: to fill.
+        joint: for messages.
+        settings: speed, noise, period.
+        delay: by which a row's centre lags, s, friction's wait included.
+        notes: filled in.
 
     Raises:
         MethodError: no velocity that the encoder gives is as sure as that.
@@ -142,27 +151,37 @@ def fill_gate(record: Any, joint: Joint, settings: Settings, notes: dict[str, st
     period, low = settings.operator.period, settings.selective
     resolution = math.sqrt(12.0) * settings.noise[0]
     bandwidth = min(QUICK, 1.0 / period)
-    while bandwidth > SLUGGISH and 3.0 * velocity_std(bandwidth, period, resolution) > 0.5 * low:
+    while bandwidth > SLUGGISH and _at_rest(bandwidth, period, resolution) > 0.5 * low:
         bandwidth *= 0.8
     velocity = record["velocity"]
     velocity["period"] = period
     gains = steady_gains(bandwidth, period)
     velocity["position_gain"], velocity["velocity_gain"] = gains
     record["low"], record["high"] = low, 2.0 * low
-    record["span"] = _samples(2.0 * settings.operator.delay, period)
+    record["span"] = _samples(2.0 * delay, period)
     record["hold"] = _samples(1.0, period)
     notes["selective"] = (
         f"nothing is learnt from when the link is slower than {low:g} rad/s until it has been "
         f"faster than {2.0 * low:g} rad/s for {1e3 * record['span'] * period:.3g} ms; velocity of "
         f"bandwidth {bandwidth:.3g} rad/s"
     )
-    if 3.0 * velocity_std(bandwidth, period, resolution) > low:
+    least = _at_rest(bandwidth, period, resolution)
+    if least > low:
         raise MethodError(
             "the encoder does not tell such a speed from a standstill",
             where=f"joint {joint.name}, selective",
             value=low,
-            allowed=f"{3.0 * velocity_std(bandwidth, period, resolution):.2g} rad/s or more",
+            allowed=f"{least:.2g} rad/s or more",
         )
+
+
+def _at_rest(bandwidth: float, period: float, resolution: float) -> float:
+    """Speed a link at rest may seem to have: of noise, or of one count that comes or goes.
+
+    The velocity of a Kalman filter's two poles (damping 0.707) reaches 0.456 of bandwidth times
+    step; below a count in its memory counts are steps, not noise.
+    """
+    return max(3.0 * velocity_std(bandwidth, period, resolution), 0.456 * bandwidth * resolution)
 
 
 def fill_residual(

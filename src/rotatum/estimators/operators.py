@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rotatum.estimators.observers.figures import fallen
 from rotatum.estimators.observers.jerk import JerkObserver, jerk_observer
 
 Array = NDArray[np.float64]
@@ -53,6 +54,21 @@ class Operator:
         if self.kind == OBSERVER:
             return self.observer.bandwidth
         return self.width if self.kind == EXPONENTIAL else 4.0 / self.width
+
+    @property
+    def passband(self) -> float:
+        """Frequency where what the rows are made of is 3 dB down, Hz; Nyquist's: nowhere below.
+
+        Of the slope of a window, beside the signal's own derivative.
+        """
+        if self.kind == OBSERVER:
+            return self.cutoff / (2.0 * math.pi)
+        if self.kind == EXPONENTIAL:
+            return self.width * math.sqrt(2.0 ** (1.0 / self.order) - 1.0) / (2.0 * math.pi)
+        weights = replace(self, derivative=0).weights()
+        steps = np.arange(len(weights))
+        gain = lambda angles: np.abs(np.exp(-1j * np.outer(angles, steps)) @ weights)  # noqa: E731
+        return fallen(gain, 0.1 / len(weights)) / (2.0 * math.pi * self.period)
 
     @property
     def observer(self) -> JerkObserver:

@@ -61,6 +61,7 @@ KINDS: tuple[tuple[str, Request], ...] = (
     ("series", Request("algebraic", window=0.1, fit=())),
     ("series", Request("weak", side="link", cutoff=100.0, order=3, fit=("link_damping",))),
     ("antagonistic", Request("weak", side="link", window=0.1, fit=("link_coulomb",))),
+    ("serial", Request("rotatum", side="link", cutoff=200.0, order=50, selective=0.1)),
 )
 """Actuation and settings of the examples: enough to reach every kernel."""
 
@@ -150,11 +151,14 @@ def example_signals(stage: Stage, actuation: str, samples: int, side: str = "mot
             if side == "link" and end == ends[-1]:
                 phi = (_deflection(load), *phi[1:])
             elastic = STIFFNESS * phi[0] + HARDENING * phi[0] ** 3
-            load = load - elastic
             if actuation == "serial":
                 angle = 40.0 * np.sin(0.7 * rate * time)
                 inputs["setpoint"][:, j] = angle
-                elastic = SPRING * (0.1 - 4e-4 * angle) ** 2 * np.sin(2.0 * phi[0])
+                lever = SPRING * (0.1 - 4e-4 * angle) ** 2
+                if side == "link":
+                    phi = (0.5 * np.arcsin(load / lever), *phi[1:])
+                elastic = lever * np.sin(2.0 * phi[0])
+            load = load - elastic
             theta = [a - b for a, b in zip(q, phi, strict=True)]
             inputs[f"theta{end}"][:, j] = _quantised(theta[0])
             if f"tau{end}" in stage.input.fields:

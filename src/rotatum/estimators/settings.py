@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 from rotatum.errors import MethodError, nearest
 from rotatum.estimators.measured import Measured
@@ -17,7 +18,7 @@ from rotatum.estimators.needs import (
 from rotatum.estimators.operators import Operator
 from rotatum.estimators.quantities import columns_of, fitted_columns, narrowest, of_side
 from rotatum.estimators.widths import choose_operator
-from rotatum.models import Device, Joint
+from rotatum.models import Device, EstimatorSettings, Joint
 
 METHODS = ("residual", "algebraic", "rotatum", "weak")
 SIDES = ("motor", "link")
@@ -95,39 +96,11 @@ def settle(joint: Joint, device: Device, period: float, request: Request) -> Set
     """
     where = f"{device.source}, joint {joint.name}"
     reasons: dict[str, str] = {}
-
-    def pick(name: str, asked: object, filed: object, default: object) -> object:
-        if asked is not None:
-            reasons[name] = "asked for"
-            return asked
-        if filed is not None:
-            reasons[name] = "device file"
-            return filed
-        reasons[name] = "default"
-        return default
-
     filed = joint.estimator
-    method = _choice("method", pick("method", request.method, filed.method, "weak"), METHODS, where)
-    # A side in the device file is that of the method in it.
-    same = "rotatum" not in (method, filed.method) or method == filed.method
-    usual_side = "link" if method == "rotatum" else "motor"
-    side = pick("side", request.side, filed.side if same else None, usual_side)
-    side = _choice("side", side, SIDES, where)
-    # A torque's source in the device file is the motor side's; from the link none is read.
-    source = filed.torque if side == "motor" else None
-    torque = pick("torque", request.torque, source, "estimated")
-    torque = _choice("torque", torque, TORQUES, where)
-    fits_together(method, side, torque, where)
+    method, side, torque = _balance(filed, request, reasons, where)
     measured = request.measured or Measured()
     noise = _noise(joint, measured)
-    allowed = columns_of(method, side, torque, device)
-    # A full basis has a constant of its own, and a slope of a window sees none.
-    usual = ("offset",) if "offset" in allowed and not joint.basis.full else ()
-    own = (side, method) == (filed.side or "motor", filed.method or "weak")
-    listed = of_side(filed.fit, allowed, not own)
-    fit = fitted_columns(
-        pick("fit", request.fit, listed, usual), joint, method, side, torque, allowed, where
-    )
+    fit = _columns(joint, device, (method, side, torque), request.fit, reasons, where)
     operator = choose_operator(
         joint,
         method,
@@ -142,11 +115,84 @@ def settle(joint: Joint, device: Device, period: float, request: Request) -> Set
         cutoffs=narrowest(method, side, fit, measured),
         side=side,
     )
-    forgetting = _forgetting(pick("forgetting", request.forgetting, filed.forgetting, 1.0), where)
-    solver = _choice("solver", pick("solver", request.solver, None, "ud"), SOLVERS, where)
-    asked = pick("shrinkage", request.shrinkage, filed.shrinkage, solver != "covariance")
-    shrinkage = _shrinkage(asked, solver, where)
-    selective = pick("selective", request.selective, filed.selective, 0.0)
+    forgetting = _pick(reasons, "forgetting", request.forgetting, filed.forgetting, 1.0)
+    solver = _pick(reasons, "solver", request.solver, None, "ud")
+    solver = _choice("solver", solver, SOLVERS, where)
+    shrinkage = _pick(
+        reasons, "shrinkage", request.shrinkage, filed.shrinkage, solver != "covariance"
+    )
+    selective = _pick(reasons, "selective", request.selective, filed.selective, 0.0)
+    _needs(joint, device, (method, side, torque), fit, where)
+    return Settings(
+        method,
+        side,
+        torque,
+        operator,
+        fit,
+        _forgetting(forgetting, where),
+        solver,
+        _shrinkage(shrinkage, solver, where),
+        _selective(selective, where),
+        noise,
+        reasons,
+    )
+
+
+def _pick(reasons: dict[str, str], name: str, asked: object, filed: object, default: object) -> Any:
+    """The caller's word, then the device file's, then the default; note whose it is."""
+    if asked is not None:
+        reasons[name] = "asked for"
+        return asked
+    if filed is not None:
+        reasons[name] = "device file"
+        return filed
+    reasons[name] = "default"
+    return default
+
+
+def _balance(
+    filed: EstimatorSettings, request: Request, reasons: dict[str, str], where: str
+) -> tuple[str, str, str]:
+    """Method, side and source of the torque."""
+    method = _pick(reasons, "method", request.method, filed.method, "weak")
+    method = _choice("method", method, METHODS, where)
+    # A side in the device file is that of the method in it.
+    same = "rotatum" not in (method, filed.method) or method == filed.method
+    usual_side = "link" if method == "rotatum" else "motor"
+    side = _pick(reasons, "side", request.side, filed.side if same else None, usual_side)
+    side = _choice("side", side, SIDES, where)
+    # A torque's source in the device file is the motor side's; from the link none is read.
+    source = filed.torque if side == "motor" else None
+    torque = _pick(reasons, "torque", request.torque, source, "estimated")
+    torque = _choice("torque", torque, TORQUES, where)
+    fits_together(method, side, torque, where)
+    return method, side, torque
+
+
+def _columns(
+    joint: Joint,
+    device: Device,
+    balance: tuple[str, str, str],
+    asked: tuple[str, ...] | None,
+    reasons: dict[str, str],
+    where: str,
+) -> tuple[str, ...]:
+    """Quantities fitted beside the stiffness; ``balance`` is method, side, torque."""
+    method, side, torque = balance
+    filed = joint.estimator
+    allowed = columns_of(method, side, torque, device)
+    # A full basis has a constant of its own, and a slope of a window sees none.
+    usual = ("offset",) if "offset" in allowed and not joint.basis.full else ()
+    own = (side, method) == (filed.side or "motor", filed.method or "weak")
+    listed = of_side(filed.fit, allowed, not own)
+    chosen = _pick(reasons, "fit", asked, listed, usual)
+    return fitted_columns(chosen, joint, method, side, torque, allowed, where)
+
+
+def _needs(
+    joint: Joint, device: Device, balance: tuple[str, str, str], fit: tuple[str, ...], where: str
+) -> None:
+    method, side, torque = balance
     if side == "link":
         needs_link(joint, device, where)
     elif torque == "estimated":
@@ -154,19 +200,6 @@ def settle(joint: Joint, device: Device, period: float, request: Request) -> Set
     if torque == "model":
         needs_law(joint, where)
     needs_setpoint(joint, where)
-    return Settings(
-        method,
-        side,
-        torque,
-        operator,
-        fit,
-        forgetting,
-        solver,
-        shrinkage,
-        _selective(selective, where),
-        noise,
-        reasons,
-    )
 
 
 def _noise(joint: Joint, measured: Measured) -> tuple[float, float]:

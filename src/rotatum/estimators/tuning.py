@@ -36,6 +36,7 @@ from rotatum.runtime.stage import Stage
 
 ZERO_SECONDS = 0.05  # of rest at the start from which the deflection's zero is read
 MISSING = 8  # samples bridged by straight lines
+OBSERVED = 128  # samples an observer has room for at least: what it does not use costs nothing
 TOP_SPEED = 100.0  # rad/s at the joint: faster than any joint, slower than a jump of an encoder
 
 
@@ -144,7 +145,7 @@ def prepare(
     inner = params["inner"][0]
     fill_sums(inner["sums"], settings)
     if shape.selective:
-        fill_gate(inner["gate"], joint, settings, notes)
+        fill_gate(inner["gate"], joint, settings, prepared.delay, notes)
     if prepared.apart:
         fill_readout(inner["readout"], settings)
     return prepared
@@ -174,7 +175,7 @@ def _shape(joint: Joint, settings: Settings, powers: tuple[Power, ...], arm: boo
 
 def _room(operator: Operator) -> int:
     if operator.kind == OBSERVER:
-        return ring_size(operator.observer.recursion.window, 8)
+        return ring_size(operator.observer.recursion.window, OBSERVED)
     return ring_size(operator.length) if operator.kind == WINDOW else 0
 
 
@@ -193,7 +194,18 @@ def _setting_notes(settings: Settings) -> dict[str, str]:
         "solver": settings.solver,
         "shrinkage": "of high orders" if settings.shrinkage else "none",
     }
-    return {name: f"{value} ({settings.reasons[name]})" for name, value in values.items()}
+    notes = {name: f"{value} ({settings.reasons[name]})" for name, value in values.items()}
+    return {**notes, "bandwidth": _bandwidth_note(settings)}
+
+
+def _bandwidth_note(settings: Settings) -> str:
+    """Remark 3 of trumic2022 for any method: what is quick enough to be lost, and where."""
+    operator = settings.operator
+    law = "the law is taken for constant"
+    if settings.forgetting < 1.0:
+        memory = operator.row_period / (1.0 - settings.forgetting)
+        law = f"a law that changes is followed over {memory:.3g} s"
+    return f"{operator.passband:.3g} Hz: faster motion does not reach the rows; {law}"
 
 
 def fill_guard(

@@ -6,7 +6,7 @@ import math
 
 from rotatum.errors import MethodError
 from rotatum.estimators.operators import EXPONENTIAL, OBSERVER, WINDOW, Operator
-from rotatum.models import Joint
+from rotatum.models import EstimatorSettings, Joint
 
 DEFAULT_CUTOFF = 300.0
 LOWEST_CUTOFF = 30.0  # of the default: slower, a hand-moved joint would pass no row
@@ -44,7 +44,7 @@ def choose_operator(
 
     Args:
         joint: its encoders, basis and ``[estimator]``.
-        method: ``"weak"``, ``"algebraic"`` or ``"residual"``.
+        method: ``"weak"``, ``"algebraic"``, ``"rotatum"`` or ``"residual"``.
         period: s.
         where: for messages.
         reasons: filled in with where ``cutoff`` or ``window`` comes from.
@@ -62,9 +62,7 @@ def choose_operator(
         )
     filed = joint.estimator
     if cutoff is None and window is None:
-        # A width of the other kind was filed for another method.
-        cutoff = filed.cutoff if method != "algebraic" else None
-        window = filed.window if method != "residual" else None
+        cutoff, window = filed_width(filed, method)
         told = "device file"
     else:
         told = "asked for"
@@ -108,6 +106,20 @@ def choose_operator(
     return Operator(WINDOW, power, samples * period, period, int(method == "algebraic"), every)
 
 
+def filed_width(filed: EstimatorSettings, method: str) -> tuple[float | None, float | None]:
+    """Return the cutoff and the window that a device file has for a method.
+
+    A width of the other kind was filed for another method; so was the cutoff of a low-pass where
+    an observer's is wanted, which has to be as low as the noise of the jerk asks for.
+    """
+    observed = method == "rotatum"
+    same = observed == (filed.method == "rotatum")
+    return (
+        filed.cutoff if same and method != "algebraic" else None,
+        filed.window if not observed and method != "residual" else None,
+    )
+
+
 def _observer_cutoff(
     period: float, noise: tuple[float, float], cutoffs: tuple[tuple[str, float], ...]
 ) -> tuple[float, str]:
@@ -118,8 +130,10 @@ def _observer_cutoff(
         if highest < cutoff:
             cutoff = highest
             why = f"default: lowered for the noise of the {signal} in this log"
-    if not cutoffs and noise[0] > 0.0:
-        return min(cutoff, BLIND_CUTOFF), "default: no log has told the noise of the link's jerk"
+    if not cutoffs and noise[0] > 0.0 and cutoff > BLIND_CUTOFF:
+        cutoff, why = BLIND_CUTOFF, "default: no log has told the noise of the link's jerk"
+    if cutoff < SLOWEST / period:
+        return SLOWEST / period, "default: as slow as an observer can be at this period"
     return cutoff, why
 
 

@@ -11,6 +11,7 @@ from rotatum.errors import RotatumError
 from rotatum.estimators.quantities import columns_of
 from rotatum.estimators.settings import Request, settle
 from rotatum.estimators.shapes import roles
+from rotatum.estimators.widths import filed_width
 from rotatum.evaluation.motion import LONG
 from rotatum.models import Device, Joint
 
@@ -23,7 +24,7 @@ class Candidate(NamedTuple):
     Args:
         name: of the method in the table.
         method, side, torque: as ``estimate`` takes them.
-        windowed: whether rows go through a window and not through a low-pass.
+        windowed: whether rows go through a window and not through a low-pass or an observer.
     """
 
     name: str
@@ -46,6 +47,7 @@ CANDIDATES = (
     Candidate("weak, torque sensor", "weak", "motor", "sensor"),
     Candidate("weak", "weak", "link"),
     Candidate("weak, window", "weak", "link", windowed=True),
+    Candidate("rotatum", "rotatum", "link"),
 )
 
 
@@ -53,7 +55,7 @@ class Widths(NamedTuple):
     """What is asked of all candidates alike; None: the device file's, then the default.
 
     Args:
-        cutoff: of those with a low-pass, rad/s.
+        cutoff: of those with a low-pass or an observer, rad/s.
         window: of those with a window, s.
         fit: columns fitted beside the stiffness; each candidate takes those it can.
         suited: joint to the window that suits its motion, s: the default of ``weak``.
@@ -84,7 +86,7 @@ def variant(device: Device, candidate: Candidate, widths: Widths) -> Device:
             "method": candidate.method,
             "side": candidate.side,
             "torque": candidate.torque,
-            "cutoff": None if candidate.windowed else widths.cutoff or filed.cutoff,
+            "cutoff": _cutoff(candidate, widths, joint),
             "window": _window(candidate, widths, joint),
             "fit": _fit(filed.fit if widths.fit is None else widths.fit, allowed),
         }
@@ -145,6 +147,12 @@ def able(
                 for name in wanted}  # fmt: skip
         return [], told
     return [name for name in names if name not in kept_out], kept_out
+
+
+def _cutoff(candidate: Candidate, widths: Widths, joint: Joint) -> float | None:
+    if candidate.windowed:
+        return None
+    return widths.cutoff or filed_width(joint.estimator, candidate.method)[0]
 
 
 def _window(candidate: Candidate, widths: Widths, joint: Joint) -> float | None:

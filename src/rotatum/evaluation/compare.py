@@ -57,8 +57,9 @@ def compare(
     """Estimate with every method the log's channels and the device allow, on both sides.
 
     ``weak`` through a low-pass and through a window, from the motor's side, from the link's side
-    and with a torque sensor; ``algebraic``; ``residual``. What the device file says of ``fit``,
-    ``cutoff`` and ``window`` holds for each method that has it. The log is read once per method.
+    and with a torque sensor; ``algebraic``; ``residual``; ``rotatum``. What the device file says of
+    ``fit``, ``cutoff`` and ``window`` holds for each method that has it. The log is read once per
+    method.
 
     All methods of a joint are scored on the same samples: against the truth where the log knows
     it, and against one of them, the reference: of the informative ones the one with the narrowest

@@ -38,6 +38,7 @@ METHODS: dict[str, str] = {
     "weak, torque sensor, motor side": "#E69F00",
     "weak, link side": "#009E73",
     "weak, window, link side": "#8FB339",
+    "rotatum, link side": "#7B6BB0",
 }
 
 # The two transmissions of an antagonistic joint, agonist first.

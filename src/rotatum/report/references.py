@@ -124,7 +124,7 @@ _ALL = (
         "M. Trumić, G. Grioli, K. Jovanović, A. Fagiolini",
         "Force/torque-sensorless joint stiffness estimation in articulated soft robots",
         "IEEE Robotics and Automation Letters 7, 2022",
-        "the link side, and where the word rotatum comes from",
+        "the method rotatum, selective updates, and where the word rotatum comes from",
     ),
 )
 
