@@ -97,7 +97,7 @@ def test_numbers_json_does_not_have_become_null() -> None:
     told: Any = outcome.to_json()
     assert told["values"][0] == {
         "label": "x", "unit": "%",
-        "paper": 1.0, "paper_settings": None, "algebraic": 2.0, "weak": None,
+        "paper": 1.0, "paper_settings": None, "algebraic": 2.0, "rotatum": None, "weak": None,
     }  # fmt: skip
     with pytest.raises(KeyError):
         outcome.value("y")

@@ -85,7 +85,8 @@ def zero_warning(
     offset, std = fitted["offset"]
     unit = prepared.joint.torque_unit(prepared.settings.torque)
     shift, limit = offset / sigma, 0.01 * (basis.deflection_range or 0.01)
-    if abs(offset) < 3.0 * std or abs(shift) < limit:
+    # Confounded with something else it has no value.
+    if not abs(offset) >= 3.0 * std or abs(shift) < limit:
         return []
     return [
         f"joint {name}: the fitted offset of {offset:.3g} {unit} may be a zero of the deflection "

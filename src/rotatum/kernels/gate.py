@@ -19,7 +19,7 @@ from rotatum.record import Field, Record, integer, number
 class GateParams(Record):
     """Where updates stop and start."""
 
-    velocity = Field(kinematic.KinematicParams.layout())
+    velocity = Field(kinematic.KinematicParams.layout(), doc="filter of the link's velocity")
     low = number("link speed below which the gate closes", unit="rad/s")
     high = number("link speed above which it opens", unit="rad/s")
     span = integer("samples a row remembers")
@@ -29,7 +29,7 @@ class GateParams(Record):
 class GateState(Record):
     """Whether the gate is open, and since when."""
 
-    velocity = Field(kinematic.KinematicState.layout())
+    velocity = Field(kinematic.KinematicState.layout(), doc="position and velocity of the link")
     open = integer("1: the link moves")
     clear = integer("samples since it opened, span at most")
     held = integer("samples in a row without a row to learn from, hold at most")

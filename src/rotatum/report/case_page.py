@@ -24,9 +24,10 @@ _NUMBERS = {
     "paper": attrgetter("paper"),
     "ours, the paper's settings": attrgetter("own"),
     "ours, algebraic": attrgetter("algebraic"),
+    "ours, rotatum": attrgetter("rotatum"),
     "ours, weak": attrgetter("weak"),
 }
-_SELDOM = ("ours, algebraic",)
+_SELDOM = ("ours, algebraic", "ours, rotatum")
 
 # The same name has the same colour on every page; others take what is left, in their order.
 _COLOURS = {
@@ -38,6 +39,7 @@ _COLOURS = {
     "RLS on the residual": "#009E73",
     "Flacco et al.": "#009E73",
     "algebraic": METHODS["algebraic, motor side"],
+    "rotatum": METHODS["rotatum, link side"],
     "as printed": MEASURED,
     "SENSOR": MEASURED,
     "sensor": MEASURED,

@@ -27,6 +27,7 @@ class Value(NamedTuple):
         own: ours with the paper's settings.
         weak: ours with method ``weak``; with defaults unless the label says otherwise.
         algebraic: ours with method ``algebraic``, likewise.
+        rotatum: ours with method ``rotatum``, likewise.
     """
 
     label: str
@@ -35,6 +36,7 @@ class Value(NamedTuple):
     own: float | None = None
     weak: float | None = None
     algebraic: float | None = None
+    rotatum: float | None = None
 
     def to_json(self) -> dict[str, Any]:
         """The line's object in ``--json``; JSON has no infinity, which becomes null."""
@@ -42,6 +44,7 @@ class Value(NamedTuple):
             "paper": self.paper,
             "paper_settings": self.own,
             "algebraic": self.algebraic,
+            "rotatum": self.rotatum,
             "weak": self.weak,
         }
         told = {k: x if x is not None and isfinite(x) else None for k, x in numbers.items()}
