@@ -25,7 +25,9 @@ class Outcome(NamedTuple):
 
 def run(*arguments: object) -> Outcome:
     """Run the program in this process; a traceback fails the test that asked."""
-    done = CliRunner().invoke(app, [str(a) for a in arguments], prog_name="rotatum")
+    words = [str(a) for a in arguments]
+    # Workers of a parallel run are told of a terminal of 80 columns, which folds sentences.
+    done = CliRunner().invoke(app, words, prog_name="rotatum", env={"COLUMNS": "120"})
     leaked = done.exception is not None and not isinstance(done.exception, SystemExit)
     assert not leaked, repr(done.exception)
     assert "Traceback" not in done.stdout + done.stderr
