@@ -67,7 +67,10 @@ class Operator:
             return self.width * math.sqrt(2.0 ** (1.0 / self.order) - 1.0) / (2.0 * math.pi)
         weights = replace(self, derivative=0).weights()
         steps = np.arange(len(weights))
-        gain = lambda angles: np.abs(np.exp(-1j * np.outer(angles, steps)) @ weights)  # noqa: E731
+
+        def gain(angles: Array) -> Array:
+            return np.asarray(np.abs(np.exp(-1j * np.outer(angles, steps)) @ weights))
+
         return fallen(gain, 0.1 / len(weights)) / (2.0 * math.pi * self.period)
 
     @property

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any
 
+from rotatum.estimators.gating import Gating, gating
 from rotatum.estimators.part import PLAIN, SHRUNK, Part, part_of
 from rotatum.estimators.solvers import Solver
-from rotatum.kernels import blocks, both, evidence, gate, pair, readout
+from rotatum.kernels import blocks, both, evidence, pair, readout
 from rotatum.record import Field, Layout, number, vector
 from rotatum.runtime.compose import write_function
 from rotatum.runtime.stage import Stage
@@ -53,8 +52,6 @@ if state.first.row.valid != 0:
             )
             pair_relate(state.pair, state.sums, state.first.evidence, state.second.evidence)
 tell_pair(params, state, u.time, 1, out)"""
-GATE = "gate_step(params.gate, state.gate, {q}, {fresh}, {row})\n"
-
 TELL_PAIR = """tell(params.first, state.first, time, counted, state.first.reading)
 tell(params.second, state.second, time, counted, state.second.reading)
 pair_read(state.pair, state.first, state.second, out)
@@ -99,7 +96,7 @@ def stiffness_stage(
         selective: whether nothing is learnt near a standstill of the link (``kernels.gate``).
     """
     part = part_of(rows_stage, solver, terms, columns, shrunk)
-    chosen = _gate(selective, part)
+    chosen = gating(selective, part)
     name = f"{part.name}{chosen.ending}"
     params = {**part.params, "sums": _sums_params(), **chosen.params}
     state = {**part.state, "sums": _sums_state(columns, 1), **chosen.state}
@@ -139,35 +136,9 @@ def pair_stage(
         selective: as there, of both.
     """
     part = part_of(rows_stage, solver, terms, columns, shrunk)
-    chosen = _gate(selective, part, ".first")
+    chosen = gating(selective, part, ".first")
     name, v = f"pair_{part.name}{chosen.ending}", 2 * columns
-    one = Layout(f"{part.name}_part_params", _doc(part), part.params)
-    reading = Field(readout.Reading.layout(p=columns))
-    memory = {**part.state, "reading": reading}
-    mine = Layout(f"{part.name}_part_state", _doc(part), memory)
-    params = Layout(
-        f"{name}_params",
-        _doc(part),
-        {
-            "first": Field(one),
-            "second": Field(one),
-            "sums": _sums_params(),
-            "readout": Field(readout.ReadoutParams.layout()),
-            **chosen.params,
-        },
-    )
-    state = Layout(
-        f"{name}_state",
-        _doc(part),
-        {
-            "first": Field(mine),
-            "second": Field(mine),
-            "sums": _sums_state(columns, 2),
-            "pair": Field(pair.PairState.layout()),
-            "readout": Field(readout.ReadoutState.layout()),
-            **chosen.state,
-        },
-    )
+    params, state = _pair_records(part, name, columns, chosen)
     sample = Layout(
         "pair_sample",
         "One sample of both transmissions.",
@@ -215,7 +186,7 @@ def together_stage(
         terms: of both bases, in turns, agonist first.
     """
     part = part_of(rows_stage, solver, terms, columns, shrunk)
-    chosen = _gate(selective, part)
+    chosen = gating(selective, part)
     name = f"both_{part.name}{chosen.ending}"
     words: dict[str, Any] = {"terms": terms, "first": columns - terms}
     words |= SHRUNK if shrunk else PLAIN
@@ -250,29 +221,36 @@ def together_stage(
     return _stage(part, name, params, state, rows_stage.input, output, init, step, hold)
 
 
-class _Gate(NamedTuple):
-    """What selective updates add to a stage; all empty without them."""
-
-    ending: str = ""
-    params: Mapping[str, Field] = MappingProxyType({})
-    state: Mapping[str, Field] = MappingProxyType({})
-    init: tuple[str, ...] = ()
-    step: str = ""
-
-
-def _gate(selective: bool, part: Part, where: str = "") -> _Gate:
-    """Make what a gate before the solver adds; ``where`` the row it holds back is."""
-    if not selective:
-        return _Gate()
-    part.kernels["gate_init"], part.kernels["gate_step"] = gate.init, gate.step
-    u = f"u{where}"
-    return _Gate(
-        "_selective",
-        {"gate": Field(gate.GateParams.layout())},
-        {"gate": Field(gate.GateState.layout())},
-        ("gate_init(params.gate, state.gate)",),
-        GATE.format(q=f"{u}.q", fresh=f"{u}.fresh", row=f"state{where}.row"),
+def _pair_records(part: Part, name: str, columns: int, chosen: Gating) -> tuple[Layout, Layout]:
+    """Parameters and state of a pair: both transmissions, and what they share."""
+    one = Layout(f"{part.name}_part_params", _doc(part), part.params)
+    reading = Field(readout.Reading.layout(p=columns))
+    memory = {**part.state, "reading": reading}
+    mine = Layout(f"{part.name}_part_state", _doc(part), memory)
+    params = Layout(
+        f"{name}_params",
+        _doc(part),
+        {
+            "first": Field(one),
+            "second": Field(one),
+            "sums": _sums_params(),
+            "readout": Field(readout.ReadoutParams.layout()),
+            **chosen.params,
+        },
     )
+    state = Layout(
+        f"{name}_state",
+        _doc(part),
+        {
+            "first": Field(mine),
+            "second": Field(mine),
+            "sums": _sums_state(columns, 2),
+            "pair": Field(pair.PairState.layout()),
+            "readout": Field(readout.ReadoutState.layout()),
+            **chosen.state,
+        },
+    )
+    return params, state
 
 
 def _doc(part: Part) -> str:

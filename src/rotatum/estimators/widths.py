@@ -66,34 +66,47 @@ def choose_operator(
         told = "device file"
     else:
         told = "asked for"
-    if method == "rotatum":
-        if window is not None or stride is not None:
-            raise MethodError(
-                "rotatum has a cutoff (rad/s), not a window", where=where, value=window or stride
-            )
-        if cutoff is None:
+    if method == "algebraic":
+        if cutoff is not None:
+            raise MethodError("algebraic has a window (s), not a cutoff", where=where, value=cutoff)
+        reasons["window"] = "default, the paper's" if window is None else told
+        seconds = ALGEBRAIC_WINDOW if window is None else window
+        return _windowed(seconds, order, stride, period, where, derivative=1)
+    if method != "weak" and (window is not None or stride is not None):
+        what = f"{method} has a cutoff (rad/s), not a window"
+        raise MethodError(what, where=where, value=window or stride)
+    if window is not None:
+        reasons["window"] = told
+        return _windowed(window, order, stride, period, where)
+    if stride is not None:
+        raise MethodError("only a window has a stride", where=where, value=stride)
+    if cutoff is None:
+        if method == "rotatum":
             cutoff, told = _observer_cutoff(period, noise, cutoffs)
-        reasons["cutoff"] = told
+        else:
+            cutoff, told = _default_cutoff(joint, method, period, noise, cutoffs)
+    reasons["cutoff"] = told
+    if method == "rotatum":
         return _observer(cutoff, order, period, where)
-    if method != "algebraic" and window is None:
-        default, why = _default_cutoff(joint, method, period, noise, cutoffs)
-        reasons["cutoff"] = why if cutoff is None else told
-        width = _cutoff(default if cutoff is None else cutoff, method, period, where)
-        if stride is not None:
-            raise MethodError("only a window has a stride", where=where, value=stride)
-        if method == "residual":
-            return Operator(EXPONENTIAL, 1, width, period)
-        poles = _order(
-            order, POLES, LINK_POLES if side == "link" else 2, "poles of the low-pass", where
-        )
-        return Operator(EXPONENTIAL, poles, width, period)
+    width = _cutoff(cutoff, method, period, where)
     if method == "residual":
-        raise MethodError("residual has a cutoff (rad/s), not a window", where=where, value=window)
-    if method == "algebraic" and cutoff is not None:
-        raise MethodError("algebraic has a window (s), not a cutoff", where=where, value=cutoff)
-    reasons["window"] = "default, the paper's" if window is None else told
+        return Operator(EXPONENTIAL, 1, width, period)
+    usual = LINK_POLES if side == "link" else 2
+    poles = _order(order, POLES, usual, "poles of the low-pass", where)
+    return Operator(EXPONENTIAL, poles, width, period)
+
+
+def _windowed(
+    window: float,
+    order: int | None,
+    stride: int | None,
+    period: float,
+    where: str,
+    derivative: int = 0,
+) -> Operator:
+    """Return a window of that length, or its slope."""
     power = _order(order, POWERS, 3, "power of the window", where)
-    seconds = _window(ALGEBRAIC_WINDOW if window is None else window, power, period, where)
+    seconds = _window(window, power, period, where)
     samples = round(seconds / period)
     every = max(1, samples // ROWS_PER_WINDOW) if stride is None else stride
     if not 1 <= every < samples:
@@ -103,7 +116,7 @@ def choose_operator(
             value=stride,
             allowed=f"1 <= stride < {samples}",
         )
-    return Operator(WINDOW, power, samples * period, period, int(method == "algebraic"), every)
+    return Operator(WINDOW, power, samples * period, period, derivative, every)
 
 
 def filed_width(filed: EstimatorSettings, method: str) -> tuple[float | None, float | None]:
@@ -221,8 +234,8 @@ def _cutoff(value: object, method: str, period: float, where: str) -> float:
 
 def _window(value: object, power: int, period: float, where: str) -> float:
     shortest, longest = 2 * power + 2, LONGEST
-    fits = isinstance(value, int | float) and math.isfinite(value)
-    if not fits or not shortest <= round(float(value) / period) <= longest:  # type: ignore[arg-type]
+    seconds = float(value) if isinstance(value, int | float) else math.nan
+    if not math.isfinite(seconds) or not shortest <= round(seconds / period) <= longest:
         raise MethodError(
             "window (s) does not fit the sample period",
             where=where,
@@ -230,4 +243,4 @@ def _window(value: object, power: int, period: float, where: str) -> float:
             allowed=f"{shortest * period:.6g} to {longest * period:.6g} s at a period of "
             f"{period:.6g} s",
         )
-    return float(value)  # type: ignore[arg-type]
+    return seconds

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from rotatum.evaluation.papers.case import Case, Curve, Figure, Map, Outcome, Plot, Value
-from rotatum.logs import beside
-from rotatum.report.document import document, safe
+from rotatum.report.document import document, safe, write_document
 from rotatum.report.figure import figure_of
 from rotatum.report.html import escape, table, tag
 from rotatum.report.palette import DATA, ESTIMATE, MEASURED, METHODS, THRESHOLD, TRUTH
@@ -73,10 +72,7 @@ def write_case_page(paper: str, case: Case, outcome: Outcome, path: str | Path) 
     ------
     OutputError if it cannot be written; no partial file is left.
     """
-    text = case_page(paper, case, outcome)
-    with beside(path) as new:
-        new.write_text(text, encoding="utf-8")
-    return Path(path)
+    return write_document(case_page(paper, case, outcome), path)
 
 
 def case_page(paper: str, case: Case, outcome: Outcome) -> str:

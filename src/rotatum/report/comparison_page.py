@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from rotatum.evaluation import Advice, Comparison
-from rotatum.logs import beside
 from rotatum.report.comparison_lines import (
     comparison_cells,
     comparison_notes,
@@ -14,7 +13,7 @@ from rotatum.report.comparison_lines import (
     outcome,
 )
 from rotatum.report.comparison_panel import comparison_panel
-from rotatum.report.document import card, document
+from rotatum.report.document import card, document, write_document
 from rotatum.report.html import escape, table, tag, typeset
 from rotatum.report.sections import verdict_meanings
 
@@ -37,10 +36,7 @@ def write_comparison(comparison: Comparison, path: str | Path) -> Path:
     ------
     OutputError if it cannot be written; no partial file is left.
     """
-    text = comparison_page(comparison)
-    with beside(path) as new:
-        new.write_text(text, encoding="utf-8")
-    return Path(path)
+    return write_document(comparison_page(comparison), path)
 
 
 def comparison_page(comparison: Comparison) -> str:

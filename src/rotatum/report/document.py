@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+from rotatum.logs import beside
 from rotatum.report.assets import SCRIPT, STYLE, templates
 from rotatum.report.figure import figure_of
 from rotatum.report.html import escape, tag
 from rotatum.report.panel import Panel
 
-__all__ = ["card", "document", "safe"]
+__all__ = ["card", "document", "safe", "write_document"]
 
 
 def document(title: str, body: str, *, drawn: bool = True) -> str:
@@ -29,6 +32,23 @@ def document(title: str, body: str, *, drawn: bool = True) -> str:
     script = _drawing() if drawn else ""
     whole = f'<html lang="en"><head>{head}</head><body>{body}{script}</body></html>'
     return f"<!DOCTYPE html>\n{whole}\n"
+
+
+def write_document(text: str, path: str | Path) -> Path:
+    """Write a page and return its path.
+
+    Parameters
+    ----------
+    text : the page.
+    path : of the HTML file.
+
+    Raises
+    ------
+    OutputError if it cannot be written; no partial file is left.
+    """
+    with beside(path) as new:
+        new.write_text(text, encoding="utf-8")
+    return Path(path)
 
 
 def _drawing() -> str:

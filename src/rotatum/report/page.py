@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from rotatum.evaluation import Estimate
-from rotatum.logs import beside
-from rotatum.report.document import card, document
+from rotatum.report.document import card, document, write_document
 from rotatum.report.figure import panels
 from rotatum.report.html import tag
 from rotatum.report.panel import Panel
@@ -33,10 +32,7 @@ def write_report(estimate: Estimate, path: str | Path) -> Path:
     ------
     OutputError if it cannot be written; no partial file is left.
     """
-    text = page(estimate)
-    with beside(path) as new:
-        new.write_text(text, encoding="utf-8")
-    return Path(path)
+    return write_document(page(estimate), path)
 
 
 def page(estimate: Estimate) -> str:

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotatum.evaluation.statics.result import Characterisation, JointCharacteristic
-from rotatum.logs import beside
 from rotatum.report.cloud import cloud
-from rotatum.report.document import card, document
+from rotatum.report.document import card, document, write_document
 from rotatum.report.html import escape, table, tag, typeset
 from rotatum.report.panel import Panel, Row, Trace, line, robust_range
 from rotatum.report.statics_lines import (
@@ -51,10 +50,7 @@ def write_characterisation(found: Characterisation, path: str | Path) -> Path:
     ------
     OutputError if it cannot be written; no partial file is left.
     """
-    text = characterisation_page(found)
-    with beside(path) as new:
-        new.write_text(text, encoding="utf-8")
-    return Path(path)
+    return write_document(characterisation_page(found), path)
 
 
 def characterisation_page(found: Characterisation) -> str:

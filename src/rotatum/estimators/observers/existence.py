@@ -161,12 +161,12 @@ def decouple(s: Scaled, L: int) -> Decoupling:
     first = Nbar @ invertibility(*s.system, L)[:, :m]  # full column rank: L is long enough
     N2 = np.linalg.pinv(first) @ Nbar
     N1 = null(first.T).T @ Nbar
-    O = observability(A, C, L)  # noqa: E741
-    U, sizes, V = np.linalg.svd(N1 @ O)
-    r = rank(N1 @ O)
+    seen = observability(A, C, L)
+    U, sizes, V = np.linalg.svd(N1 @ seen)
+    r = rank(N1 @ seen)
     S1 = V[:r]
     N1 = U[:, :r].T @ N1 / sizes[:r, None]
-    Abar = A - B @ (N2 @ O)
+    Abar = A - B @ (N2 @ seen)
     return Decoupling(N1, N2, S1, Abar, _unseen(Abar, S1, n))
 
 

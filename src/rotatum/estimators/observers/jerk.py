@@ -134,5 +134,8 @@ def _check_lag(lag: int, least: int) -> None:
 
 def _bandwidth(recursion: Recursion, T: float) -> float:
     """Lowest frequency where ``|jerk| / |(i w)^3 q|`` is 3 dB down [rad/s]; Nyquist at most."""
-    jerk = lambda a: np.abs(recursion.response(a)[:, 3, 0]) * (T / a) ** 3  # noqa: E731
+
+    def jerk(angles: Array) -> Array:
+        return np.asarray(np.abs(recursion.response(angles)[:, 3, 0]) * (T / angles) ** 3)
+
     return fallen(jerk, 0.1 * _SLOWEST) / T

@@ -105,13 +105,13 @@ def scaled(given: System, noise: Array | None = None) -> Scaled:
         noise: (p,) standard deviations of the outputs, or None.
     """
     n, m, p = given.sizes
-    O = observability(given.A, given.C, n)  # noqa: E741
+    seen = observability(given.A, given.C, n)
     H = invertibility(*given, n)[:, :m]
-    rows = np.hstack([O, H]).reshape(n + 1, p, n + m)
+    rows = np.hstack([seen, H]).reshape(n + 1, p, n + m)
     y = np.abs(rows).max(axis=(0, 2)) if noise is None else np.asarray(noise, np.float64)
     y = np.where(y > 0.0, y, 1.0)
     per = np.tile(1.0 / y, n + 1)[:, None]
-    x, u = (_inverse(np.linalg.norm(per * matrix, axis=0)) for matrix in (O, H))
+    x, u = (_inverse(np.linalg.norm(per * matrix, axis=0)) for matrix in (seen, H))
     A, B, C, D = given
     return Scaled(
         System(A * x / x[:, None], B * u / x[:, None], C * x / y[:, None], D * u / y[:, None]),
