@@ -6,6 +6,7 @@ Nothing here imports the package: where a kernel and its twin agree, they agree 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -296,6 +297,7 @@ def stencils(x: Array, period: float) -> Array:
 
 
 def rotatum_rows(
+    observe: Callable[[Array], Array],
     q: Array,
     theta: Array,
     s: Array,
@@ -307,16 +309,11 @@ def rotatum_rows(
 ) -> tuple[Array, Array]:
     """trumic2022 eq. 10 of a pendulum with tied columns: ``y (N,)``, ``R (N, b)``, of one instant.
 
-    ``q``, ``theta``, ``s`` are (4, N): value and derivatives. Terms are ``phi^i s^j``, unscaled.
+    ``observe`` makes value and three derivatives (4, N) of a signal; terms are ``phi^i s^j``.
     """
-    phi, rate = q[0] - theta[0], q[1] - theta[1]
-    y = -(inertia * q[3] + damping * q[2] + gravity * np.cos(q[0]) * q[1])
-    columns = []
-    for i, j in powers:
-        column = i * phi ** (i - 1) * s[0] ** j * rate
-        if j:
-            column = column + phi**i * j * s[0] ** (j - 1) * s[1]
-        columns.append(column)
+    _, _, ddq, dddq = observe(q)
+    y = -(inertia * dddq + damping * ddq + gravity * observe(np.sin(q))[1])
+    columns = [observe((q - theta) ** i * s**j)[1] for i, j in powers]
     return y, np.stack(columns, axis=1)
 
 

@@ -70,7 +70,7 @@ def test_a_simulated_joint_is_found_from_its_positions_alone() -> None:
     assert joint.stiffness["final"] == pytest.approx(STIFFNESS, rel=0.01)
     # Noise of a hundredth of the jerk's, and the lag's: what it says of itself holds.
     assert abs(joint.stiffness["final"] - STIFFNESS) <= 3.0 * joint.stiffness_std
-    assert joint.delay == pytest.approx(10.0 / 153.6, abs=T)
+    assert joint.delay == pytest.approx(20.0 / 153.6, abs=T)
     assert "noise of the jerk" in joint.settings["cutoff"]
 
 

@@ -44,8 +44,8 @@ def notes(request: Request, period: float = T, **tables: Any) -> dict[str, str]:
 def test_the_link_is_its_side_and_its_lag_follows_from_its_cutoff() -> None:
     found = settled(Request("rotatum"))
     assert (found.side, found.torque, found.fit) == ("link", "estimated", ())
-    assert found.operator == Operator(OBSERVER, math.ceil(10.0 / 0.3), 300.0, T)
-    assert settled(Request("rotatum", cutoff=50.0)).operator.order == 200
+    assert found.operator == Operator(OBSERVER, math.ceil(20.0 / 0.3), 300.0, T)
+    assert settled(Request("rotatum", cutoff=50.0)).operator.order == 400
     assert settled(Request("rotatum", cutoff=50.0, order=70)).operator.order == 70
     deadbeat = settled(Request("rotatum", cutoff=math.inf)).operator
     assert (deadbeat.order, deadbeat.delay) == (2, 2 * T)
@@ -164,7 +164,7 @@ def test_every_method_states_the_bandwidth_of_its_settings(request_: Request, he
 
 def test_the_notes_tell_lag_and_what_friction_does() -> None:
     told = notes(Request("rotatum", cutoff=100.0), link={"inertia": M, "coulomb": 0.2})
-    assert told["cutoff"] == "100 rad/s, 100 ms late (asked for)"
+    assert told["cutoff"] == "100 rad/s, 200 ms late (asked for)"
     assert "no part of a rate" in told["friction"]
     deadbeat = notes(Request("rotatum", cutoff=math.inf))
     assert deadbeat["cutoff"] == "deadbeat, 2 ms late (asked for)"

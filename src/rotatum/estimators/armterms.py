@@ -169,7 +169,7 @@ class RotatumTerms:
         if observed["valid"][0]:
             q, dq, ddq = observed["x"].T
             rate = self.robot.inverse_dynamics_rate(q, dq, ddq, observed["u"][:, 0])
-            to["angle"][row], to["rate"][row], to["acceleration"][row] = q, dq, ddq
+            to["acceleration"][row] = ddq
             np.negative(rate, out=to["rotatum"][row])
 
 

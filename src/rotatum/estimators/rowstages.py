@@ -11,6 +11,7 @@ from rotatum.kernels import (
     cascade,
     kinematic,
     link,
+    rates,
     residual,
     rotatum,
     rows,
@@ -172,7 +173,7 @@ def _rotatum(shape: Shape) -> Stage:
     pair = shape.actuation == "antagonistic"
     b = shape.terms // (2 if pair else 1)
     terms = basis.BasisState.layout(b=b, m=shape.powers + 1, r=shape.powers + basis.ROOM)
-    observer = unknown_input.UnknownInputState.layout(n=4, c=shape.size, o=4)
+    signals = shape.terms + rotatum.FIRST
     params = {
         "zero": rows.ZeroParams.layout(),
         "basis": basis.BasisParams.layout(b=b),
@@ -182,16 +183,15 @@ def _rotatum(shape: Shape) -> Stage:
     state = {
         "zero": rows.ZeroState.layout(),
         "terms": terms,
-        "rotatum": rotatum.RotatumState.layout(),
-        "link": observer,
-        "motor": observer,
-        "lever": observer,
+        "rotatum": rotatum.RotatumState.layout(c=signals),
+        "link": unknown_input.UnknownInputState.layout(n=4, c=shape.size, o=4),
+        "rates": rates.RatesState.layout(n=4, c=signals, w=shape.size),
     }
     if pair:
         params["zero2"] = rows.ZeroParams.layout()
-        state |= {"zero2": rows.ZeroState.layout(), "terms2": terms, "motor2": observer}
+        state |= {"zero2": rows.ZeroState.layout(), "terms2": terms}
     kernels: dict[str, Any] = {
-        "terms_init": rotatum.pair_init if pair else rotatum.init,
+        "terms_init": rotatum.init,
         "terms_step": rotatum.pair_step if pair else rotatum.one_step,
     }
     text = "terms_step(params, state, u, out)"

@@ -18,9 +18,10 @@ POWERS = (2, 3, 4, 5)
 ROWS_PER_WINDOW = 10
 LONGEST = 8192  # samples under a window: what its ring may cost
 BLIND_CUTOFF = 60.0  # rad/s of an observer's jerk where the log has not told its noise
-# Lag of an observer in 1 / cutoff: twice what its noise asks for, because position, velocity and
-# jerk must be derivatives of one signal, also of what moves nearly as fast as the cutoff.
-CONSISTENT = 10.0
+# Lag of an observer in 1 / cutoff: four times what its noise asks for, because rates and jerk must
+# be derivatives of one signal, also of what moves nearly as fast as the cutoff: half of it leaves
+# an error of 7e-3 of the stiffness there, a third of it 2e-2, and no interval knows of it.
+CONSISTENT = 20.0
 DEADBEAT_LAG = 2  # samples: a stencil of five
 FASTEST, SLOWEST = 2.0, 2e-3  # rad per sample: what an observer can be designed for, how long
 
@@ -161,7 +162,9 @@ def _observer(cutoff: float, order: int | None, period: float, where: str) -> Op
             allowed=f"{SLOWEST / period:.6g} to {FASTEST / period:.6g} rad/s at a period of "
             f"{period:.6g} s, or inf: deadbeat, as printed",
         )
-    usual = DEADBEAT_LAG if deadbeat else math.ceil(CONSISTENT / (cutoff * period))
+    usual = DEADBEAT_LAG
+    if not deadbeat:
+        usual = min(math.ceil(CONSISTENT / (cutoff * period)), LONGEST - 1)
     lag, least = usual if order is None else order, DEADBEAT_LAG if deadbeat else 1
     if not least <= lag < LONGEST:
         raise MethodError(

@@ -2,12 +2,14 @@
 
 The balance of the link, differentiated,
 
-    -d/dt (M q'' + D q' + g) = dF/dt^T alpha,    dF/dt = F_phi phi' + F_s s',
+    -d/dt (M q'' + D q' + g) = dF/dt^T alpha,
 
-a pendulum's in closed form, ``M q''' + D q'' + G cos(q) q'``, an arm's from its model (eq. 9 with
-its signs corrected). Jerk, acceleration, velocity and position come from one observer and belong
-to one instant, ``lag`` samples ago; motor positions and set-points go through the same observer, so
-that both sides of the balance are as late and as smooth as each other.
+a pendulum's as ``M q''' + D q'' + G d/dt sin q``, an arm's from its model (eq. 9 with its signs
+corrected). Jerk, acceleration and rates are estimates of one observer and belong to one instant,
+``lag`` samples ago. The terms of the spring are formed of positions as they were measured and then
+observed, so that both sides of the balance are as late and as smooth as each other; the paper's
+``dF/dt = F_phi phi' + F_s s'`` (Tables I and II, here tied) of observed positions is the same only
+where the spring is linear: see ``rates``.
 """
 
 from __future__ import annotations
@@ -15,19 +17,19 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rotatum.kernels import basis, rows, unknown_input
+from rotatum.kernels import basis, rates, rows, unknown_input
 from rotatum.kernels.rows import find_zero
 from rotatum.kernels.status import DISABLED, SETTLING
 from rotatum.record import Record, integer, number, vector
 
-ANGLE = 0
 RATE = 1
 ACCELERATION = 2
 JERK = 3
-"""Places in what the observer estimates."""
-MOTION = 2
 WHOLE = 4
-"""How much of it is wanted: of motors and set-points, and of the link."""
+"""Places in what the observer estimates, and how many there are."""
+SINE = 0
+FIRST = 1
+"""Places in the signals whose rates are wanted: sin q, then the terms of the spring."""
 
 
 class RotatumParams(Record):
@@ -44,7 +46,8 @@ class RotatumState(Record):
 
     count = integer("samples since (re)start")
     made = integer("1: there are estimates of this sample")
-    sample = vector(1, "what an observer is given")
+    sample = vector(1, "what the link's observer is given")
+    raw = vector("c", "what the rates are taken of")
 
 
 class RotatumSample(Record):
@@ -55,9 +58,7 @@ class RotatumSample(Record):
     theta = number("motor position, joint side; the agonist's of two", unit="rad", symbol="theta")
     theta2 = number("the antagonist's", unit="rad", symbol="theta_2")
     setpoint = number("set-point as logged, 0: there is none", symbol="s")
-    angle = number("of the link as the arm observed it, lag samples ago", unit="rad")
-    rate = number("its velocity then", unit="rad/s")
-    acceleration = number("its acceleration then", unit="rad/s^2")
+    acceleration = number("of the link as the arm observed it, lag samples ago", unit="rad/s^2")
     rotatum = number("of the arm then, without friction", unit="N m/s", symbol="p_e")
     enable = integer("0: do not learn from this sample")
     fresh = integer("1: the filters must start at this sample")
@@ -67,14 +68,7 @@ def init(params: Any, state: Any) -> None:
     """Nothing seen yet."""
     state.rotatum.count = 0
     unknown_input.init(params.observer, state.link)
-    unknown_input.init(params.observer, state.motor)
-    unknown_input.init(params.observer, state.lever)
-
-
-def pair_init(params: Any, state: Any) -> None:
-    """Nothing seen yet, of two transmissions."""
-    init(params, state)
-    unknown_input.init(params.observer, state.motor2)
+    rates.init(state.rates)
 
 
 def one_step(params: Any, state: Any, u: Any, out: Any) -> None:
@@ -84,15 +78,10 @@ def one_step(params: Any, state: Any, u: Any, out: Any) -> None:
     basis.evaluate(params.basis, state.terms, raw - state.zero.zero, u.setpoint)
     rows.read_basis(state.terms, out)
     out.phi = raw - state.zero.zero
+    for h in range(len(state.terms.F)):
+        state.rotatum.raw[FIRST + h] = state.terms.F[h]
     _observe(params, state, u, known)
-    if state.rotatum.made != 0:
-        link = state.link.estimate
-        motor = state.motor.estimate
-        _rates(params, state, state.terms, link, motor, state.zero.zero)
-        first = len(out.R) - len(state.terms.F)
-        for h in range(len(state.terms.F)):
-            out.R[first + h] = state.terms.D[h]
-        _balance(params.rotatum, link, u.rotatum, out)
+    _balance(params.rotatum, state, u, out)
     _emit(state, u.enable, out)
 
 
@@ -107,20 +96,11 @@ def pair_step(params: Any, state: Any, u: Any, out: Any) -> None:
     rows.read_pair(state.terms, state.terms2, out)
     out.phi = phi
     out.phi2 = phi2
-    if u.fresh != 0 or known == 0:
-        unknown_input.restart(params.observer, state.motor2)
+    for h in range(len(state.terms.F)):
+        state.rotatum.raw[FIRST + 2 * h] = state.terms.F[h]
+        state.rotatum.raw[FIRST + 2 * h + 1] = state.terms2.F[h]
     _observe(params, state, u, known)
-    if known != 0:
-        _push(params, state, state.motor2, u.theta2, MOTION)
-    if state.rotatum.made != 0:
-        link = state.link.estimate
-        _rates(params, state, state.terms, link, state.motor.estimate, state.zero.zero)
-        _rates(params, state, state.terms2, link, state.motor2.estimate, state.zero2.zero)
-        first = len(out.R) - 2 * len(state.terms.F)
-        for h in range(len(state.terms.F)):
-            out.R[first + 2 * h] = state.terms.D[h]
-            out.R[first + 2 * h + 1] = state.terms2.D[h]
-        _balance(params.rotatum, link, u.rotatum, out)
+    _balance(params.rotatum, state, u, out)
     _emit(state, u.enable, out)
 
 
@@ -130,48 +110,34 @@ def _observe(params: Any, state: Any, u: Any, known: int) -> None:
     if u.fresh != 0 or known == 0:
         s.count = 0
         unknown_input.restart(params.observer, state.link)
-        unknown_input.restart(params.observer, state.motor)
-        unknown_input.restart(params.observer, state.lever)
+        rates.restart(state.rates)
     if known != 0:
         s.count = s.count + 1
-        _push(params, state, state.motor, u.theta, MOTION)
-        if params.basis.setpoint_order > 0:
-            _push(params, state, state.lever, u.setpoint, MOTION)
+        s.raw[SINE] = 0.0
         if params.rotatum.arm == 0:
-            _push(params, state, state.link, u.q, WHOLE)
+            s.raw[SINE] = math.sin(u.q)
+            s.sample[0] = u.q
+            unknown_input.push(params.observer, state.link, s.sample, WHOLE)
         else:
             # The arm has observed all its links: none is observed twice.
-            state.link.estimate[ANGLE] = u.angle
-            state.link.estimate[RATE] = u.rate
             state.link.estimate[ACCELERATION] = u.acceleration
-        s.made = state.motor.valid
+        rates.push(params.observer, state.rates, s.raw, RATE)
+        s.made = state.rates.valid
 
 
-def _push(params: Any, state: Any, observer: Any, value: float, wanted: int) -> None:
-    state.rotatum.sample[0] = value
-    unknown_input.push(params.observer, observer, state.rotatum.sample, wanted)
-
-
-def _rates(params: Any, state: Any, terms: Any, link: Any, motor: Any, zero: float) -> None:
-    """Put ``dF/dt`` of the instant where ``terms.D`` is."""
-    phi = link[ANGLE] - motor[ANGLE] - zero
-    rate = link[RATE] - motor[RATE]
-    basis.evaluate(params.basis, terms, phi, state.lever.estimate[ANGLE])
-    for h in range(len(terms.F)):
-        terms.D[h] = terms.D[h] * rate
-    if params.basis.setpoint_order > 0:
-        for h in range(len(terms.F)):
-            terms.D[h] = terms.D[h] + terms.S[h] * state.lever.estimate[RATE]
-
-
-def _balance(p: Any, link: Any, rotatum: float, out: Any) -> None:
-    if p.arm != 0:
-        out.y = rotatum - p.damping * link[ACCELERATION]
-    else:
-        load = p.inertia * link[JERK] + p.damping * link[ACCELERATION]
-        out.y = -(load + p.gravity * math.cos(link[ANGLE]) * link[RATE])
-    out.suspect = link[JERK]
-    out.drag = link[ACCELERATION]
+def _balance(p: Any, state: Any, u: Any, out: Any) -> None:
+    if state.rotatum.made != 0:
+        link = state.link.estimate
+        if p.arm != 0:
+            out.y = u.rotatum - p.damping * link[ACCELERATION]
+        else:
+            load = p.inertia * link[JERK] + p.damping * link[ACCELERATION]
+            out.y = -(load + p.gravity * state.rates.value[SINE])
+        out.suspect = link[JERK]
+        out.drag = link[ACCELERATION]
+        first = len(out.R) + FIRST - len(state.rates.value)
+        for h in range(len(state.rates.value) - FIRST):
+            out.R[first + h] = state.rates.value[FIRST + h]
 
 
 def _emit(state: Any, enable: int, out: Any) -> None:
@@ -180,7 +146,7 @@ def _emit(state: Any, enable: int, out: Any) -> None:
         out.fresh = 1
     out.status = 0
     out.valid = state.rotatum.made
-    if state.motor.settled == 0:
+    if state.rates.settled == 0:
         out.valid = 0
         out.status = SETTLING
     if enable == 0:

@@ -40,6 +40,8 @@ NEGATIVE = 131072
 VELOCITY = 262144
 HELD = 524288
 STILL = 1048576
+SINGULAR = 2097152
+UNSEEN = 4194304
 
 REJECTED = NOT_FINITE | REPEATED | BACKWARDS | SATURATED
 WRONG = LAG | INERTIA | OFFSET | DRIFT | NEGATIVE | VELOCITY
@@ -122,6 +124,17 @@ TABLE: tuple[Status, ...] = (
         STILL,
         "updates have been held for a second or longer: the stiffness is read out of what was "
         "learnt before, and nothing confirms it",
+    ),
+    Status(
+        "singular",
+        SINGULAR,
+        "the accelerometers hardly tell the links' accelerations in this pose: what they do not "
+        "tell is damped towards zero",
+    ),
+    Status(
+        "unseen",
+        UNSEEN,
+        "no sensor determines the acceleration of this link: its position follows the motor's",
     ),
 )
 
