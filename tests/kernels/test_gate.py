@@ -21,10 +21,10 @@ LOW, HIGH = 0.05, 0.1
 Y, R = 3.25, [1.5, -2.5]
 
 
-def made(span: int = 3, hold: int = 8, bandwidth: float = 800.0) -> tuple[Any, Any]:
+def made(span: int = 3, hold: int = 8, late: int = 0, bandwidth: float = 800.0) -> tuple[Any, Any]:
     """Parameters and a memory that has seen nothing."""
     P = gate.GateParams.layout().zeros(1)[0]
-    P["low"], P["high"], P["span"], P["hold"] = LOW, HIGH, span, hold
+    P["low"], P["high"], P["span"], P["late"], P["hold"] = LOW, HIGH, span, late, hold
     P["velocity"]["period"] = T
     gains = steady_gains(bandwidth, T)
     P["velocity"]["position_gain"], P["velocity"]["velocity_gain"] = gains
@@ -94,6 +94,17 @@ def test_a_restart_closes_it() -> None:
     assert shut[50:] == fresh
 
 
+def test_what_lies_back_counts_for_as_long_after_it_has_closed() -> None:
+    q = there_and_back(1.0, 40)
+    at_once, later = (held(passed(*made(span=12, late=late), q)[0]) for late in (0, 5))
+    shuts = at_once.index(True, 39)
+    assert later[:shuts] == at_once[:shuts]
+    assert later[shuts : shuts + 6] == [False] * 5 + [True]
+    assert later[shuts + 6 :] == at_once[shuts + 6 :]
+    # Not of what was too short to fill a row.
+    assert held(passed(*made(span=60, late=5), q)[0]) == [True] * 120
+
+
 def test_a_span_of_none_passes_at_once() -> None:
     params, state = made(span=0)
     rows, _ = passed(params, state, there_and_back(1.0, 40))
@@ -104,17 +115,19 @@ def test_a_span_of_none_passes_at_once() -> None:
     speeds=st.lists(st.sampled_from([-0.3, -0.11, -0.07, 0.0, 0.04, 0.08, 0.2]), max_size=60),
     repeats=st.integers(1, 12),
     span=st.integers(1, 6),
+    late=st.integers(0, 5),
     hold=st.integers(1, 30),
 )
-def test_nothing_is_learnt_below_the_threshold_and_nothing_else_is_changed(
-    speeds: list[float], repeats: int, span: int, hold: int
+def test_nothing_is_learnt_of_a_standstill_and_nothing_else_is_changed(
+    speeds: list[float], repeats: int, span: int, late: int, hold: int
 ) -> None:
-    params, state = made(span, hold)
+    late = min(late, span - 1)
+    params, state = made(span, hold, late)
     q = T * np.cumsum(np.repeat(np.array(speeds, dtype=float), repeats))
     rows, seen = passed(params, state, q)
-    shut, still = naive.gated(seen, LOW, HIGH, span, hold)
-    for one, speed, closed, rests in zip(rows, seen, shut, still, strict=True):
-        assert one.valid == 0 or speed >= LOW
+    shut, still = naive.gated(seen, LOW, HIGH, span, hold, late)
+    for k, (one, closed, rests) in enumerate(zip(rows, shut, still, strict=True)):
+        assert one.valid == 0 or (seen[k + 1 - span : k + 1 - late] >= LOW).all()
         assert one.valid == int(not closed)
         assert one.status == HELD * closed + STILL * rests
         assert (one.y, one.R, one.fresh) == (Y, R, 0)

@@ -158,12 +158,16 @@ def fill_gate(
     gains = steady_gains(bandwidth, period)
     velocity["position_gain"], velocity["velocity_gain"] = gains
     record["low"], record["high"] = low, 2.0 * low
-    record["span"] = _samples(2.0 * delay, period)
+    first, last = settings.operator.made_of
+    # Friction's sign is taken across some samples more, of which half make the row late.
+    waits = delay - settings.operator.delay
+    record["span"] = _samples(first + 2.0 * waits, period)
+    record["late"] = _samples(last, period)
     record["hold"] = _samples(1.0, period)
     notes["selective"] = (
-        f"nothing is learnt from when the link is slower than {low:g} rad/s until it has been "
-        f"faster than {2.0 * low:g} rad/s for {1e3 * record['span'] * period:.3g} ms; velocity of "
-        f"bandwidth {bandwidth:.3g} rad/s"
+        f"nothing is learnt from {1e3 * record['late'] * period:.3g} ms after the link is slower "
+        f"than {low:g} rad/s until it has been faster than {2.0 * low:g} rad/s for "
+        f"{1e3 * record['span'] * period:.3g} ms; velocity of bandwidth {bandwidth:.3g} rad/s"
     )
     least = _at_rest(bandwidth, period, resolution)
     if least > low:

@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 EXPONENTIAL = "exponential"
 WINDOW = "window"
 OBSERVER = "observer"
+REACH = 12.0
+"""What a smoothed observer looks at on either side of its instant, in 1 / cutoff: 99 % of it."""
 CENTRED = {
     0: (0.0, 1.0, 0.0),
     1: (0.5, 0.0, -0.5),
@@ -97,6 +99,18 @@ class Operator:
             return self.order * self.period
         lag = self.pole / (1.0 - self.pole)
         return (1.0 + self.order * lag) * self.period
+
+    @property
+    def made_of(self) -> tuple[float, float]:
+        """Seconds back from a row's last sample between which lies what it is made of.
+
+        Of a window all of it; of poles, and of an observer that smooths, 99 %: twice the delay back
+        to now, and 12 / cutoff on either side of its instant.
+        """
+        if self.kind == OBSERVER and math.isfinite(self.width):
+            reach = REACH / self.width
+            return self.delay + reach, max(0.0, self.delay - reach)
+        return 2.0 * self.delay, 0.0
 
     @property
     def row_period(self) -> float:
