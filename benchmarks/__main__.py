@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks import arm, batch, commands, native, online, scenario, simulation
+from benchmarks import arm, batch, commands, native, observer, online, scenario, simulation
 from benchmarks.table import Figure, as_json, as_text
 from benchmarks.timing import say
 
@@ -27,7 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument(
         "--only",
-        choices=("batch", "online", "arm", "simulation", "commands"),
+        choices=("batch", "observer", "online", "arm", "simulation", "commands"),
         help="only this group of figures",
     )
     parser.add_argument(
@@ -63,6 +63,11 @@ def _figures(options: argparse.Namespace, directory: Path) -> list[Figure]:
                 (scenario.window8(), "8 columns, window: ", batch.Targets(2.0)),
             ):
                 found += batch.figures(case, joint, directory, options.repetitions, targets)
+    if only in (None, "observer"):
+        if native.compiler() is None:
+            say("no C compiler: nothing to compare the observer with")
+        else:
+            found += observer.figures(directory, options.repetitions)
     if only in (None, "online"):
         found += online.figures(max(1, options.repetitions // 10))
     if only in (None, "arm"):

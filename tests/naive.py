@@ -318,19 +318,66 @@ def rotatum_rows(
 
 
 def gated(
-    speeds: Array, low: float, high: float, span: int, hold: int
+    speeds: Array, low: float, high: float, span: int, hold: int, late: int = 0
 ) -> tuple[list[bool], list[bool]]:
     """Whether a row is held back, and whether that is called a standstill, sample by sample."""
-    opened: int | None = None
-    held, still = [], []
-    last = -1
-    for k, speed in enumerate(speeds):
-        if speed < low:
-            opened = None
-        elif opened is None and speed > high:
-            opened = k
-        free = opened is not None and k - opened + 1 >= span
+    moving: list[bool] = []
+    for speed in speeds:
+        moving.append(bool(speed >= low if moving and moving[-1] else speed > high))
+    held, still, last = [], [], -1
+    for k in range(len(moving)):
+        end = k
+        while end >= 0 and not moving[end]:
+            end -= 1
+        first = end
+        while first >= 0 and moving[first]:
+            first -= 1
+        # The latest spell of moving: first + 1 to end.
+        free = k - first >= span and k - end <= late
         held.append(not free)
         last = k if free else last
         still.append(not free and k - last >= hold)
     return held, still
+
+
+def acceleration_observer(
+    L: Array,
+    *,
+    inertia: float,
+    stiffness: Array,
+    damping: float,
+    motor_damping: float,
+    period: float,
+    theta: Array,
+    torque: Array,
+    acceleration: Array,
+    start: Array,
+    held: bool,
+    substeps: int = 20,
+) -> Array:
+    """deluca2007 eq. 6 of one joint in the paper's state (theta, q, theta', q'): (N, 4).
+
+    By Runge and Kutta in small steps; inputs are straight lines between samples, a held torque is
+    constant. ``L`` (N, 4) and ``stiffness`` (N,) are those of the interval that ends at a sample.
+    """
+    inputs = (theta, torque, acceleration)
+
+    def rate(x: Array, k: int, s: float) -> Array:
+        y1, u, y2 = (v[k - 1] + s * (v[k] - v[k - 1]) for v in inputs)
+        u = torque[k - 1] if held else u
+        spring = stiffness[k] * (x[0] - x[1]) + damping * (x[2] - x[3])
+        motor = (u - spring - motor_damping * x[2]) / inertia
+        return np.asarray(np.array([x[2], x[3], motor, y2]) + L[k] * (y1 - x[0]))
+
+    x = np.array(start)
+    found = [x]
+    h, part = period / substeps, 1.0 / substeps
+    for k in range(1, len(theta)):
+        for i in range(substeps):
+            a = rate(x, k, i * part)
+            b = rate(x + 0.5 * h * a, k, (i + 0.5) * part)
+            c = rate(x + 0.5 * h * b, k, (i + 0.5) * part)
+            d = rate(x + h * c, k, (i + 1.0) * part)
+            x = x + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
+        found.append(x)
+    return np.array(found)

@@ -14,16 +14,16 @@ __getattr__, __dir__, __all__ = _lazy.attach(
     submodules={"datasets", "testing"},
     submod_attrs={
         "errors": ["RotatumError"],
-        "estimators": ["Estimator"],
+        "estimators": ["Estimator", "StateObserver"],
         "evaluation": [
             "Characterisation",
             "Comparison",
             "Estimate",
-            "JointEstimate",
             "Recommendation",
             "characterise",
             "compare",
             "estimate",
+            "observe",
             "recommend",
         ],
         "export": ["export_c"],
