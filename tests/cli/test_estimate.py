@@ -106,6 +106,19 @@ def test_warnings_go_to_standard_error(scene: Scene) -> None:
     assert json.loads(done.out)["warnings"]
 
 
+def test_sensors_of_the_links_are_not_read(scene: Scene) -> None:
+    arm = '[robot]\nmodel = "pendulum"\nlengths = [0.5]\nmasses = [1.0]\n'
+    imu = '[[accelerometer]]\nname = "imu"\nframe = "tip"\nchannels = { ax = "not there" }\n'
+    scene.device.write_text(f"{scene.device.read_text()}\n{arm}{imu}")
+    done = run("estimate", scene.log, "--device", scene.device, "--json")
+    assert done.code == 0
+    assert "imu" not in done.err
+    assert json.loads(done.out)["warnings"] == []
+    same = small_estimate().joints["elbow"].to_json()["stiffness"]["final"]
+    found = json.loads(done.out)["joints"]["elbow"]["stiffness"]["final"]
+    assert found == pytest.approx(same, rel=1e-6)  # the CSV keeps 12 digits
+
+
 def test_a_report_that_fails_at_the_end_costs_no_result(scene: Scene) -> None:
     full = scene.folder / "full.html"
     full.symlink_to("/dev/full")

@@ -50,6 +50,8 @@ def test_the_link_is_its_side_and_its_lag_follows_from_its_cutoff() -> None:
     deadbeat = settled(Request("rotatum", cutoff=math.inf)).operator
     assert (deadbeat.order, deadbeat.delay) == (2, 2 * T)
     assert settled(Request("rotatum", cutoff=math.inf, order=4)).operator.delay == 4 * T
+    filed = device(estimator={"method": "rotatum", "cutoff": math.inf})
+    assert settle(filed.joints[0], filed, T, Request()).operator == deadbeat
 
 
 def test_the_default_cutoff_is_what_the_noise_of_the_jerk_allows() -> None:

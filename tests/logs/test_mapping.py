@@ -11,8 +11,10 @@ import pytest
 from numpy.typing import NDArray
 
 from rotatum.errors import LogError
-from rotatum.logs import Log, read_log, write_table
+from rotatum.logs import Log, open_log, read_log, write_table
 from rotatum.models import ROLES, device_from_tables
+from rotatum.models.channel import STATES
+from rotatum.simulation.sensing.sensors import ENCODERS
 
 Table = dict[str, NDArray[Any]]
 
@@ -80,7 +82,9 @@ def test_canonical_columns_of_a_pair(tmp_path: Path, table: Table) -> None:
     for role in ROLES["antagonistic"]:
         table[f"j.{role}"] = table["j.q"]
     log = _read(tmp_path, table, actuation="antagonistic")
-    assert set(log.joints["j"]) == set(ROLES["antagonistic"])  # j.theta and j.tau are no roles
+    # j.theta and j.tau are no roles; true positions and rates come on request
+    measured = set(ROLES["antagonistic"]) - set(STATES["antagonistic"])
+    assert set(log.joints["j"]) == measured
 
 
 def test_every_role_is_in_the_reference(project: Path) -> None:
@@ -127,6 +131,50 @@ def test_truth_columns_come_along(tmp_path: Path, table: Table) -> None:
     log = _read(tmp_path, {**table, "j.stiffness_true": np.full(300, 7.0)})
     assert log.joints["j"]["stiffness_true"][0] == 7.0
     assert log.warnings == ()  # truth may be constant
+
+
+@pytest.mark.parametrize("actuation", ["series", "antagonistic", "serial"])
+def test_true_states_come_on_request(actuation: str, tmp_path: Path, table: Table) -> None:
+    for number, role in enumerate(ROLES[actuation]):
+        table[f"j.{role}"] = table["j.q"] + number
+    path = tmp_path / "run.npz"
+    write_table(path, table)
+    device = device_from_tables({"name": "rig", "actuation": actuation}, "rig.toml")
+    plain, log = read_log(path, device), read_log(path, device, true_states=True)
+    # what the simulator writes: positions, and their rates with a "d" in front
+    positions = {role for role in ROLES[actuation] if role in ENCODERS}
+    states = {f"{d}{role}_true" for role in positions for d in ("", "d")}
+    assert set(log.joints["j"]) - set(plain.joints["j"]) == states == set(STATES[actuation])
+    for role in states:
+        assert np.array_equal(log.joints["j"][role], table[f"j.{role}"])
+    reader = open_log(path, device, chunk=100, true_states=True)
+    assert set(reader.roles["j"]) == set(ROLES[actuation])
+    joined = np.concatenate([piece.joints["j"]["dq_true"] for piece in reader])
+    assert np.array_equal(joined, table["j.dq_true"])
+
+
+def test_true_states_in_other_columns_and_units(tmp_path: Path, table: Table) -> None:
+    table["laser"] = np.rad2deg(table["j.q"])
+    path = tmp_path / "run.npz"
+    write_table(path, table)
+    channels = {"q": "j.q", "q_true": {"name": "laser", "unit": "deg"}}
+    device = device_from_tables({"name": "j", "channels": channels}, "rig.toml")
+    log = read_log(path, device, true_states=True)
+    # to and fro: two roundings
+    np.testing.assert_allclose(log.joints["j"]["q_true"], table["j.q"], rtol=1e-15)
+    assert "q_true" not in read_log(path, device).joints["j"]
+
+
+def test_true_states_may_stand_still(tmp_path: Path, table: Table) -> None:
+    path = tmp_path / "run.npz"
+    write_table(path, {**table, "j.q_true": np.zeros(300), "j.dq_true": np.zeros(300)})
+    device = device_from_tables({"name": "j"}, "rig.toml")
+    assert read_log(path, device, true_states=True).warnings == ()
+    # and one that is empty is no matter for who did not ask for it
+    write_table(path, {**table, "j.q_true": np.full(300, np.nan)})
+    assert read_log(path, device).warnings == ()
+    with pytest.raises(LogError, match="q_true of joint j never holds a finite number"):
+        read_log(path, device, true_states=True)
 
 
 def test_several_joints(tmp_path: Path, table: Table) -> None:

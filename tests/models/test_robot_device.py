@@ -177,6 +177,41 @@ def test_wrong_sensors(key: str, tables: Any, told: str) -> None:
         _device(PLANAR, **{key: tables})
 
 
+@pytest.mark.parametrize(
+    ("key", "channels", "told"),
+    [
+        (
+            "accelerometer",
+            {"ay": "x"},
+            r"\[1\]\.channels: unknown channel, got 'ay'; allowed: ax, az",
+        ),
+        ("accelerometer", {"acx": "x"}, r'unknown channel.*Did you mean "ax"'),
+        ("accelerometer", {"gx": "x"}, r"unknown channel, got 'gx'; allowed: ax, az"),
+        ("gyroscope", {"ax": "x"}, r"unknown channel, got 'ax'; allowed: gx, gz"),
+        (
+            "accelerometer",
+            {"ax": {"unit": "rad/s^2"}},
+            r"accelerometer\[1\]\.channels\.ax\.unit: this is a unit of angular acceleration, and"
+            r" one of acceleration is needed, got 'rad/s\^2'; allowed: m/s\^2, g, mg\.",
+        ),
+        ("gyroscope", {"gx": {"unit": "deg"}}, r"unit of angle, .*allowed: rad/s, deg/s, rpm\."),
+        ("gyroscope", {"gx": {"unit": "deg/ss"}}, r'unknown unit.*Did you mean "deg/s"'),
+        ("accelerometer", {"ax": {"factr": 1.0}}, r'ax\.factr".*offset.*Did you mean "factor"'),
+        ("accelerometer", {"ax": {"side": "motor"}}, r'unknown key.*\[1\]\.channels\.ax\.side"'),
+        ("gyroscope", {"gx": {"hold": "held"}}, r'unknown key "gyroscope\[1\].*\.hold"'),
+        ("accelerometer", {"ax": {"factor": 0.0}}, r"\[1\]\.channels\.ax\.factor must not be 0"),
+        ("gyroscope", {"gx": {"index": -1}}, r"channels\.gx\.index must be greater than or equal"),
+        ("accelerometer", {"ax": {"sign": 2}}, r"channels\.ax\.sign .*allowed: 1, -1"),
+        ("accelerometer", 3, r"accelerometer\[1\]\.channels must be a"),
+    ],
+)
+def test_wrong_channels_of_sensors(key: str, channels: Any, told: str) -> None:
+    sensor = {"name": "i", "frame": "tip", "axes": ["x", "z"], "channels": channels}
+    with pytest.raises(DeviceError, match=told) as caught:
+        _device(PLANAR, **{key: [{"name": "h", "frame": "tip"}, sensor]})
+    assert str(caught.value).startswith("arm.toml: ")
+
+
 def test_sensors_need_an_arm() -> None:
     with pytest.raises(DeviceError, match=r"\[\[gyroscope\]\] sits on a link of an arm, and there"):
         _device(None, gyroscope=[{"name": "i", "frame": "tip"}])

@@ -17,7 +17,10 @@ def test_spellings_of_one_unit(spelling: str) -> None:
 
 @pytest.mark.parametrize(
     ("name", "factor"),
-    [("deg", pi / 180), ("Nmm", 1e-3), ("mNm", 1e-3), ("µs", 1e-6), ("rpm", pi / 30), ("A", 1.0)],
+    [
+        *(("deg", pi / 180), ("Nmm", 1e-3), ("mNm", 1e-3), ("µs", 1e-6), ("rpm", pi / 30)),
+        *(("A", 1.0), ("g", 9.80665), ("mg", 9.80665e-3), ("dps", pi / 180), ("°/s", pi / 180)),
+    ],
 )
 def test_factors(name: str, factor: float) -> None:
     # One rounding of a division is all that may differ.

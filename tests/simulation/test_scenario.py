@@ -316,7 +316,12 @@ def test_a_ready_scenario_runs_and_its_files_read_back(name: str, tmp_path: Path
     (tmp_path / "run.toml").write_text(made.device_text())
     device = load_device(tmp_path / "run.toml")
     assert device.joints == made.device.joints
-    read = read_log(path, device)
+    read = read_log(path, device, true_states=True)
+    assert device.inertial == made.device.inertial
+    assert read.inertial_roles == log.inertial_roles
+    for sensor, axes in log.inertial.items():
+        for axis, values in axes.items():
+            assert np.array_equal(read.inertial[sensor][axis], values, equal_nan=True)
     for joint in made.device.joints:
         _check(log, read, joint.name, made)
 
@@ -357,9 +362,9 @@ def _check(log: Log, read: Log, name: str, made: Scenario) -> None:
     # Zero where a cubic spring is slack, and within a backlash.
     assert np.all(truth >= 0.0)
     assert truth.max() > 0.0
+    assert set(read.joints[name]) == set(channels)
     for role, values in channels.items():
-        if role in read.joints[name]:
-            assert np.array_equal(read.joints[name][role], values, equal_nan=True)
+        assert np.array_equal(read.joints[name][role], values, equal_nan=True)
         if "nans" not in made.tables.get("sensors", {}):
             assert np.all(np.isfinite(values)), role
     (joint,) = (joint for joint in made.device.joints if joint.name == name)

@@ -82,7 +82,7 @@ def characterise(
 
     robot = load_device(device)
     found = evaluation.characterise(
-        open_log(log, robot),
+        open_log(log, robot, inertial=False),
         robot,
         law=law,
         tied=tied,

@@ -66,7 +66,7 @@ def compare(
     robot = load_device(device)
     with _progress() as shown:
         found = evaluation.compare(
-            open_log(log, robot),
+            open_log(log, robot, inertial=False),
             robot,
             cutoff=cutoff,
             window=window,

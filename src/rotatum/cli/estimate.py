@@ -80,7 +80,7 @@ def estimate(
     robot = load_device(device)
     with progress("estimating") as shown:
         found = evaluation.estimate(
-            open_log(log, robot),
+            open_log(log, robot, inertial=False),
             robot,
             method=method,
             side=side,

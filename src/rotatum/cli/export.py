@@ -83,7 +83,7 @@ def c(
 
     robot = load_device(device).only(joint)
     check_side(robot, side)
-    opened = open_log(log, robot) if log is not None else None
+    opened = open_log(log, robot, inertial=False) if log is not None else None
     with progress("exporting") as shown:
         loop = Estimator(
             robot,

@@ -27,7 +27,8 @@ class Log:
     clock : period, jitter and gaps of the clock.
     warnings : sentences about what is odd in the log.
     inertial : accelerometer or gyroscope -> "ax", "ay", "az" [m/s^2] or "gx", "gy", "gz" [rad/s]
-        -> (N,), in the sensor's own axes.
+        -> (N,), in the sensor's own axes; missing and infinite values are NaN.
+    inertial_warnings : sentences about what is odd in them, for who reads them.
     """
 
     source: str
@@ -37,6 +38,7 @@ class Log:
     clock: Clock
     warnings: tuple[str, ...] = ()
     inertial: Mapping[str, Mapping[str, NDArray[np.float64]]] = field(default_factory=dict)
+    inertial_warnings: tuple[str, ...] = ()
 
     @property
     def period(self) -> float:
@@ -47,6 +49,11 @@ class Log:
     def samples(self) -> int:
         """Number of samples."""
         return int(self.time.size)
+
+    @property
+    def inertial_roles(self) -> Mapping[str, tuple[str, ...]]:
+        """Accelerometer or gyroscope -> axes the log has of it."""
+        return {sensor: tuple(axes) for sensor, axes in self.inertial.items()}
 
     def columns(self) -> dict[str, NDArray[np.float64]]:
         """Return the log in canonical columns, for `write_table`.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from rotatum.errors import LogError
 from rotatum.logs.source import CLOCK, Pick
-from rotatum.models import Channel, Device, Joint, find_unit
+from rotatum.models import Channel, Device, Joint, Reading, find_unit
+from rotatum.models.channel import STATES
 
 __all__ = ["Column", "Mapped", "map_channels"]
 
@@ -23,13 +24,13 @@ class Column:
 
     Parameters
     ----------
-    joint, role : what it is.
+    owner, role : the joint or the inertial sensor, and what it is of it.
     pick : where the file keeps it.
     slope, intercept : the channel's factor, offset, sign, unit and side in one line.
     hold : "sampled" or "held".
     """
 
-    joint: str
+    owner: str
     role: str
     pick: Pick
     slope: float
@@ -37,7 +38,7 @@ class Column:
     hold: str
 
     def convert(self, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return SI values at the joint, (N,); the input is left as it is."""
+        """Return SI values at the joint or in the sensor's axes, (N,), beside the numbers."""
         if self.slope == 1.0 and self.intercept == 0.0:
             return numbers
         values = numbers * self.slope
@@ -54,25 +55,37 @@ class Mapped:
     ----------
     clock : the sample clock; None: the file has none, the device's period stands in.
     columns : of all joints.
+    inertial : of the accelerometers and gyroscopes.
     """
 
     clock: Column | None
     columns: tuple[Column, ...]
+    inertial: tuple[Column, ...] = ()
 
 
-def map_channels(device: Device, names: Sequence[str], path: str) -> Mapped:
-    """Find the channels of every joint of a device in a file.
+def map_channels(
+    device: Device,
+    names: Sequence[str],
+    path: str,
+    *,
+    inertial: bool = True,
+    true_states: bool = False,
+) -> Mapped:
+    """Find the channels of every joint of a device, and of its inertial sensors, in a file.
 
     Roles whose entry in [channels] names a column are taken from there; others from the canonical
     column `<joint>.<role>` if the file has it: an entry without a name says how it is kept where
     there is one. With one joint in the device, no names in its [channels]
-    and one prefix in the file, that prefix is the joint.
+    and one prefix in the file, that prefix is the joint. An inertial sensor's axes go the same way,
+    its name being the prefix; a file may have none of them.
 
     Parameters
     ----------
     device : the device.
     names : names of the file's columns or arrays.
     path : the file, for messages.
+    inertial : whether accelerometers and gyroscopes are wanted.
+    true_states : whether the true positions and rates that a simulator writes are.
 
     Raises
     ------
@@ -84,14 +97,21 @@ def map_channels(device: Device, names: Sequence[str], path: str) -> Mapped:
         found = [
             _column(joint, name, role, joint.channels.get(role, Channel()))
             for role in joint.roles
-            if _named(joint.channels.get(role)) or f"{name}.{role}" in names
+            if true_states or role not in STATES[joint.actuation]
+            if _found(name, role, joint.channels, names)
         ]
         if not found:
             what = f"no channel of joint {name}; the device needs [channels], or the log columns"
             what += f" such as {name}.q"
             raise LogError(what, where=path, hint=f"The log has: {', '.join(names[:12])}.")
         columns.extend(found)
-    return Mapped(clock=_clock(device, names, path), columns=tuple(columns))
+    axes = (
+        _axis(sensor.name, role, sensor.channels.get(role, Reading()))
+        for sensor in (device.inertial if inertial else ())
+        for role in sensor.roles
+        if _found(sensor.name, role, sensor.channels, names)
+    )
+    return Mapped(_clock(device, names, path), columns=tuple(columns), inertial=tuple(axes))
 
 
 def _clock(device: Device, names: Sequence[str], path: str) -> Column | None:
@@ -106,36 +126,46 @@ def _clock(device: Device, names: Sequence[str], path: str) -> Column | None:
             hint=f"The log has: {', '.join(names[:12])}.",
         )
     channel = device.time or Channel()
-    unit = find_unit(channel.unit).factor if channel.unit else 1.0
+    factor = _after(channel)
     pick = _pick(CLOCK, channel)
-    factor = channel.sign * unit
     return Column("", CLOCK, pick, channel.factor * factor, channel.offset * factor, channel.hold)
 
 
 def _column(joint: Joint, name: str, role: str, channel: Channel) -> Column:
     """Turn a channel into a straight line: factor, offset, sign, then unit, then side."""
-    after = channel.sign * (find_unit(channel.unit).factor if channel.unit else 1.0)
+    after = _after(channel)
     if channel.side == "motor":
         ratio = joint.gear_ratio(role)
         after = after / ratio if role in _ANGLES else after * ratio
-    label = f"{name}.{role}"
-    pick = _pick(label, channel)
+    pick = _pick(f"{name}.{role}", channel)
     return Column(name, role, pick, channel.factor * after, channel.offset * after, channel.hold)
 
 
-def _pick(label: str, channel: Channel) -> Pick:
+def _axis(name: str, role: str, reading: Reading) -> Column:
+    """Turn an axis of a sensor into a straight line: factor, offset, sign, then unit."""
+    after = _after(reading)
+    pick = _pick(f"{name}.{role}", reading)
+    return Column(name, role, pick, reading.factor * after, reading.offset * after, "sampled")
+
+
+def _after(reading: Reading) -> float:
+    """Return what comes after factor and offset, the side aside."""
+    return reading.sign * (find_unit(reading.unit).factor if reading.unit else 1.0)
+
+
+def _pick(label: str, reading: Reading) -> Pick:
     """Say where the file keeps a channel; without a name and an index in the canonical column."""
-    return Pick(label, channel.name if _named(channel) else label, channel.index)
+    return Pick(label, reading.name if reading.named else label, reading.index)
 
 
-def _named(channel: Channel | None) -> bool:
-    """Whether an entry says where the file keeps the channel."""
-    return channel is not None and (channel.name is not None or channel.index is not None)
+def _found(owner: str, role: str, channels: Mapping[str, Reading], names: Sequence[str]) -> bool:
+    """Whether a channel has a place in the file: the one its entry says, or the canonical one."""
+    return (role in channels and channels[role].named) or f"{owner}.{role}" in names
 
 
 def _joint_name(joint: Joint, device: Device, names: Sequence[str]) -> str:
     """Return the prefix of a joint's canonical columns."""
-    if len(device.joints) > 1 or any(_named(c) for c in joint.channels.values()):
+    if len(device.joints) > 1 or any(c.named for c in joint.channels.values()):
         return joint.name
     prefixes = {name.rpartition(".")[0] for name in names if name.rpartition(".")[2] in joint.roles}
     prefixes.discard("")

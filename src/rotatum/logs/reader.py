@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from math import nan
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rotatum.errors import LogError
 from rotatum.logs.clock import Clock, ClockWatch, median_period
 from rotatum.logs.log import Log
-from rotatum.logs.mapping import Mapped
+from rotatum.logs.mapping import Column, Mapped
 from rotatum.logs.source import Block, Source
 from rotatum.logs.watch import ChannelWatch
 
@@ -24,7 +24,7 @@ _DISAGREEMENT = 0.01  # of the device's period
 class LogReader:
     """A log as a sequence of pieces; can be iterated as often as needed.
 
-    `clock` and `warnings` speak of the first piece until the log has been read to its end once,
+    `clock` and the warnings speak of the first piece until the log has been read to its end once,
     then of the whole log. The period is that of the first piece.
 
     Parameters
@@ -44,7 +44,8 @@ class LogReader:
         self._mapped = mapped
         self._chunk = chunk
         clock = [mapped.clock.pick] if mapped.clock else []
-        self._picks = (*clock, *(column.pick for column in mapped.columns))
+        self._columns = (*mapped.columns, *mapped.inertial)
+        self._picks = (*clock, *(column.pick for column in self._columns))
         first, whole = self._peek()
         # A log that fits into one piece is not read from the disk again.
         self._kept = first if whole else None
@@ -59,6 +60,7 @@ class LogReader:
         watch.add(time)
         self._clock = watch.clock()
         self._warnings = tuple(self._clock_sentences(self._clock))
+        self._inertial_warnings: tuple[str, ...] = ()
 
     @property
     def source(self) -> str:
@@ -87,30 +89,39 @@ class LogReader:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is odd about the log."""
+        """What is odd about the log, its inertial sensors aside."""
         return self._warnings
+
+    @property
+    def inertial_warnings(self) -> tuple[str, ...]:
+        """What is odd about the readings of the inertial sensors."""
+        return self._inertial_warnings
 
     @property
     def roles(self) -> Mapping[str, tuple[str, ...]]:
         """Joint -> roles the log has for it."""
-        joints = dict.fromkeys(column.joint for column in self._mapped.columns)
-        return {
-            joint: tuple(c.role for c in self._mapped.columns if c.joint == joint)
-            for joint in joints
-        }
+        return _roles(self._mapped.columns)
+
+    @property
+    def inertial_roles(self) -> Mapping[str, tuple[str, ...]]:
+        """Accelerometer or gyroscope -> axes the log has of it; those without one are left out."""
+        return _roles(self._mapped.inertial)
 
     @property
     def holds(self) -> Mapping[str, Mapping[str, str]]:
         """Joint -> role -> "sampled" or "held"."""
         return {
-            joint: {c.role: c.hold for c in self._mapped.columns if c.joint == joint}
+            joint: {c.role: c.hold for c in self._mapped.columns if c.owner == joint}
             for joint in self.roles
         }
 
     def __iter__(self) -> Iterator[Log]:
         """Yield the log's pieces; at the end bring `clock`, `samples` and `warnings` up to date."""
         clock = ClockWatch(self._period)
-        watches = [ChannelWatch(c.joint, c.role) for c in self._mapped.columns]
+        watches = [
+            *(ChannelWatch(f"joint {c.owner}", c.role) for c in self._mapped.columns),
+            *(ChannelWatch(f"sensor {c.owner}", c.role) for c in self._mapped.inertial),
+        ]
         holds = self.holds
         rows = 0
         for block in self._blocks():
@@ -160,32 +171,60 @@ class LogReader:
         watches: list[ChannelWatch],
         holds: Mapping[str, Mapping[str, str]],
     ) -> Log:
-        """Convert a block to SI values at the joints."""
+        """Convert a block to SI values at the joints and in the sensors' axes."""
         numbers = block[1:] if self._mapped.clock is not None else block
-        joints: dict[str, dict[str, NDArray[np.float64]]] = {joint: {} for joint in holds}
-        for column, watch, raw in zip(self._mapped.columns, watches, numbers, strict=True):
-            joints[column.joint][column.role] = watch.clean(column.convert(raw), time)
-        return Log(source=self._path, time=time, joints=joints, holds=holds, clock=self._clock)
+        values = [
+            watch.clean(column.convert(raw), time)
+            for column, watch, raw in zip(self._columns, watches, numbers, strict=True)
+        ]
+        joints = len(self._mapped.columns)
+        return Log(
+            source=self._path,
+            time=time,
+            joints=_by_owner(self._mapped.columns, values[:joints]),
+            holds=holds,
+            clock=self._clock,
+            inertial=_by_owner(self._mapped.inertial, values[joints:]),
+        )
 
     def _finish(self, clock: ClockWatch, watches: list[ChannelWatch], rows: int) -> None:
         """Note what is known only after the last piece."""
         if rows < _FEWEST:
             what = "the log is too short"
             raise LogError(what, where=self._path, value=rows, allowed="100 samples or more")
-        for watch in watches:
+        joints = len(self._mapped.columns)
+        for watch in watches[:joints]:
             watch.refuse_empty(self._path)
         self._samples = rows
         self._clock = clock.clock()
         said = self._clock_sentences(self._clock)
-        for watch in watches:
+        for watch in watches[:joints]:
             said.extend(watch.warnings())
         self._warnings = tuple(said)
+        # Stiffness is estimated without them: even a dead sensor is for its readers to judge.
+        self._inertial_warnings = tuple(s for watch in watches[joints:] for s in watch.warnings())
 
     def _clock_sentences(self, clock: Clock) -> list[str]:
         """Say what is odd about the clock, or that there is none."""
         if self._mapped.clock is None:
             return [f"the log has no clock; the device's period of {self._period:g} s is used"]
         return clock.describe()
+
+
+def _roles(columns: Sequence[Column]) -> dict[str, tuple[str, ...]]:
+    """Return owner -> roles."""
+    owners = dict.fromkeys(column.owner for column in columns)
+    return {owner: tuple(c.role for c in columns if c.owner == owner) for owner in owners}
+
+
+def _by_owner(
+    columns: Sequence[Column], values: Sequence[NDArray[np.float64]]
+) -> dict[str, dict[str, NDArray[np.float64]]]:
+    """Return owner -> role -> values."""
+    found: dict[str, dict[str, NDArray[np.float64]]] = {}
+    for column, own in zip(columns, values, strict=True):
+        found.setdefault(column.owner, {})[column.role] = own
+    return found
 
 
 def _start(time: NDArray[np.float64]) -> str:

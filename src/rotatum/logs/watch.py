@@ -18,12 +18,14 @@ class ChannelWatch:
 
     Parameters
     ----------
-    joint, role : the channel.
+    owner : what messages call its owner, such as "joint elbow".
+    role : what it is of it.
     """
 
-    def __init__(self, joint: str, role: str) -> None:
-        self._joint = joint
+    def __init__(self, owner: str, role: str) -> None:
+        self._name = f"{role} of {owner}"
         self._role = role
+        self._empty = f"{self._name} never holds a finite number"
         self._rows = 0
         self._bad = 0
         self._bad_runs = 0
@@ -53,23 +55,23 @@ class ChannelWatch:
 
     def warnings(self) -> list[str]:
         """Return a sentence for everything that is odd so far."""
-        name = f"{self._role} of joint {self._joint}"
+        if self._rows and self._value is None:
+            return [self._empty]
         said: list[str] = []
         if self._bad:
             runs = "one run" if self._bad_runs == 1 else f"{self._bad_runs} runs"
             said.append(
-                f"{name}: {self._bad} of {self._rows} samples are not finite (in {runs}, "
+                f"{self._name}: {self._bad} of {self._rows} samples are not finite (in {runs}, "
                 f"first at {self._first_bad:.6g} s)"
             )
         if self._value is not None and not self._changed and self._role in _MUST_CHANGE:
-            said.append(f"{name} is constant ({self._value:.6g})")
+            said.append(f"{self._name} is constant ({self._value:.6g})")
         return said
 
     def refuse_empty(self, source: str) -> None:
         """Raise LogError if the channel never held a finite value."""
         if self._value is None:
-            what = f"{self._role} of joint {self._joint} never holds a finite number"
-            raise LogError(what, where=source)
+            raise LogError(self._empty, where=source)
 
     def _see(self, finite: NDArray[np.float64]) -> None:
         """Look whether the channel changes."""

@@ -1,6 +1,6 @@
 """What a device is: joints, motors, transmissions, elastic laws, units; read from TOML."""
 
-from rotatum.models.channel import ROLES, Channel
+from rotatum.models.channel import ROLES, Channel, Reading
 from rotatum.models.device import Device, device_from_tables, device_names, load_device
 from rotatum.models.inertial import Accelerometer, Gyroscope
 from rotatum.models.joint import FIT_QUANTITIES, EstimatorSettings, Joint
@@ -28,6 +28,7 @@ __all__ = [
     "Law",
     "Link",
     "Motor",
+    "Reading",
     "RobotTable",
     "Setpoint",
     "Transmission",

@@ -86,6 +86,11 @@ class Device:
         return replace(self, joints=joints, robot=None, accelerometers=(), gyroscopes=())
 
     @property
+    def inertial(self) -> tuple[Accelerometer | Gyroscope, ...]:
+        """Its accelerometers, then its gyroscopes."""
+        return (*self.accelerometers, *self.gyroscopes)
+
+    @property
     def period(self) -> float | None:
         """Sample period its logs must have [s], where the device declares one."""
         return next((j.estimator.period for j in self.joints if j.estimator.period), None)

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import inf
 from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 
-from rotatum.errors import DeviceError
-from rotatum.models.channel import MOTOR_SIDE_ROLES, ROLE_KINDS, ROLES, SETPOINT_MOTOR, Channel
+from rotatum.models.channel import (
+    MOTOR_SIDE_ROLES,
+    ROLE_KINDS,
+    ROLES,
+    SETPOINT_MOTOR,
+    Channel,
+    check_unit,
+)
 from rotatum.models.parts import Basis, Encoders, Link, Motor, Setpoint
 from rotatum.models.sources import check_key, flat_sources, source_of
 from rotatum.models.table import Positive, Real, Table, bad_choice
 from rotatum.models.transmission import Transmission
-from rotatum.models.units import find_unit, unit_names
+from rotatum.models.units import find_unit
 
 __all__ = ["FIT_QUANTITIES", "Clocked", "EstimatorSettings", "Joint"]
 
@@ -35,9 +42,10 @@ FIT_QUANTITIES = (
 class EstimatorSettings(Table):
     """How the device's maker suggests to estimate; the command line overrides.
 
-    method; side "motor" or "link"; torque "estimated", "sensor" or "model"; cutoff [rad/s] or
-    window [s]; fit: quantities fitted beside the stiffness; payload_frame, payload_position [m in
-    it]: where a fitted payload is (the origin of the arm's last frame); forgetting in (0, 1];
+    method; side "motor" or "link"; torque "estimated", "sensor" or "model"; cutoff [rad/s] (inf:
+    the deadbeat form of method "rotatum") or window [s]; fit: quantities fitted beside the
+    stiffness; payload_frame, payload_position [m in it]: where a fitted payload is (the origin of
+    the arm's last frame); forgetting in (0, 1];
     shrinkage: whether high orders are shrunk as far as the data do not ask for them; selective
     [rad/s]: link speed below which nothing is learnt; period [s]: of
     the logs this device writes (one that differs by more than 1 % is refused; stands in for a time
@@ -47,7 +55,7 @@ class EstimatorSettings(Table):
     method: str | None = None
     side: Literal["motor", "link"] | None = None
     torque: Literal["estimated", "sensor", "model"] | None = None
-    cutoff: Positive | None = None
+    cutoff: Annotated[float, Field(strict=True, gt=0.0)] | None = None
     window: Positive | None = None
     fit: tuple[str, ...] | None = None
     payload_frame: str | None = None
@@ -62,6 +70,8 @@ class EstimatorSettings(Table):
         """Refuse both widths at once and quantities that cannot be fitted."""
         if self.cutoff is not None and self.window is not None:
             raise ValueError("give cutoff (rad/s) or window (s), not both")
+        if self.cutoff == inf and self.method != "rotatum":
+            raise ValueError('an infinite cutoff is the deadbeat form of method "rotatum"')
         for name in self.fit or ():
             if name not in FIT_QUANTITIES:
                 raise bad_choice("unknown quantity to fit", "fit", name, FIT_QUANTITIES)
@@ -177,7 +187,7 @@ class Joint(Table):
         for role, channel in self.channels.items():
             if role not in self.roles:
                 raise bad_choice("unknown channel", "channels", role, ("time", *self.roles))
-            check_unit(role, channel)
+            check_unit(role, channel, ROLE_KINDS[role])
             if channel.side == "motor":
                 self._check_side(role, channel)
         return self
@@ -209,23 +219,6 @@ class Joint(Table):
         return self
 
 
-def check_unit(role: str, channel: Channel, *, prefix: str = "channels.") -> None:
-    """Refuse an unknown unit, and one of another kind than the role's.
-
-    Raises
-    ------
-    PydanticCustomError, with the key, the value and the allowed units.
-    """
-    if channel.unit is None:
-        return
-    kinds = ROLE_KINDS[role]
-    try:
-        find_unit(channel.unit, *kinds)
-    except DeviceError as error:
-        key = f"{prefix}{role}.unit"
-        raise bad_choice(error.what, key, channel.unit, unit_names(*kinds)) from None
-
-
 class Clocked(Table):
     """The clock's entry of a [channels] table, shared by all joints of a log."""
 
@@ -234,5 +227,5 @@ class Clocked(Table):
     @model_validator(mode="after")
     def _unit_of_time(self) -> Self:
         """Refuse a clock that does not measure time."""
-        check_unit("time", self.time, prefix="")
+        check_unit("time", self.time, ROLE_KINDS["time"], prefix="")
         return self

@@ -19,7 +19,8 @@ class Unit:
     Parameters
     ----------
     name : spelling shown to users.
-    kind : "angle", "speed", "acceleration", "torque", "stiffness", "time" or "length".
+    kind : "angle", "speed", "angular acceleration", "acceleration", "torque", "stiffness", "time"
+        or "length".
     factor : SI units per unit.
     """
 
@@ -38,10 +39,11 @@ _UNITS = (
     Unit("rad/s", "speed", 1.0),
     Unit("deg/s", "speed", pi / 180.0),
     Unit("rpm", "speed", 2.0 * pi / 60.0),
-    Unit("rad/s^2", "acceleration", 1.0),
-    Unit("deg/s^2", "acceleration", pi / 180.0),
+    Unit("rad/s^2", "angular acceleration", 1.0),
+    Unit("deg/s^2", "angular acceleration", pi / 180.0),
     Unit("m/s^2", "acceleration", 1.0),
     Unit("g", "acceleration", _G),
+    Unit("mg", "acceleration", 1e-3 * _G),
     Unit("N m", "torque", 1.0),
     Unit("N mm", "torque", 1e-3),
     Unit("mN m", "torque", 1e-3),
@@ -67,6 +69,8 @@ _ALIASES = {
     "radians": "rad",
     "turn": "rev",
     "sec": "s",
+    "°/s": "deg/s",
+    "dps": "deg/s",
 }
 
 

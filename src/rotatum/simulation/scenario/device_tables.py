@@ -76,11 +76,14 @@ def plain_channels(device: Device, held: Mapping[str, tuple[str, ...]]) -> Devic
 
     Parameters
     ----------
-    device : its own [channels] describe other logs and are left out.
+    device : its own [channels], and those of its inertial sensors, describe other logs and are left
+        out.
     held : joint -> roles that are kept until the next sample.
     """
     tables = tables_of(device)
     tables.pop("channels", None)
+    for sensor in (sensor for key in _SENSORS.values() for sensor in tables.get(key, ())):
+        sensor.pop("channels", None)
     for table in tables.get("joint", [tables]):
         name = table["name"] if "joint" in tables else device.joints[0].name
         roles = {role: {"hold": "held"} for role in held.get(name, ())}
