@@ -21,10 +21,9 @@ def inputs_of(joint, drives, **settings):
 
 
 def seen_of(joint, time, *theta):
-    theta = np.array(theta)
-    return Seen(
-        time, np.zeros(1), np.zeros(1), {joint.name: theta}, {joint.name: np.zeros_like(theta)}
-    )
+    theta, link = np.array(theta), np.zeros(1)
+    still = {joint.name: np.zeros_like(theta)}
+    return Seen(time, link, link, {joint.name: theta}, still, link, still)
 
 
 def test_torques_are_those_of_the_control_instants_and_held():

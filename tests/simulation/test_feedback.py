@@ -27,7 +27,8 @@ def seen(time=0.0, *, q=(0.0,), theta=((0.0,),), dtheta=None, names=("arm",)):
     theta = {name: np.array(row) for name, row in zip(names, theta, strict=True)}
     still = {name: np.zeros_like(row) for name, row in theta.items()}
     moving = still if dtheta is None else {names[0]: np.array(dtheta)}
-    return Seen(time, np.array(q), np.zeros(len(q)), theta, moving)
+    links = np.array(q)
+    return Seen(time, links, 0.0 * links, theta, moving, 0.0 * links, still)
 
 
 def march(a, b, law, steps, names=("arm",)):

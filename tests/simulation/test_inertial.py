@@ -22,7 +22,7 @@ from rotatum.simulation.sensing.inertial import (
     specific_force,
     with_faults,
 )
-from rotatum.simulation.sensing.rotations import rotation_about, rotation_of
+from rotatum.models.rotations import rotation_about, rotation_of
 from tests.simulation.moving import SWINGS, angle, speed, swinging
 from tests.simulation.plants import PERIOD
 

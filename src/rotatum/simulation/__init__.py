@@ -2,6 +2,7 @@
 
 from rotatum.simulation.demo import demo_log
 from rotatum.simulation.device import simulate
+from rotatum.simulation.drivers.arm_control import ArmControl
 from rotatum.simulation.drivers.binary import Prbs
 from rotatum.simulation.drivers.combined import Scaled, Together
 from rotatum.simulation.drivers.commands import co_contraction, position_drives
@@ -25,10 +26,12 @@ from rotatum.simulation.plant.bodies import Body, Plant, plant_of
 from rotatum.simulation.plant.effects import Effects, StiffnessDrift
 from rotatum.simulation.scenario import Scenario, load_scenario, scenario_names
 from rotatum.simulation.sensing.inertial import InertialFaults
+from rotatum.simulation.sensing.live import LiveSensors, Readings
 from rotatum.simulation.sensing.sensors import Sensors
 
 __all__ = [
     "After",
+    "ArmControl",
     "Body",
     "Chirp",
     "Drive",
@@ -36,11 +39,13 @@ __all__ = [
     "FadeIn",
     "Feedback",
     "InertialFaults",
+    "LiveSensors",
     "Path",
     "Payload",
     "Plant",
     "Prbs",
     "Ramps",
+    "Readings",
     "Sawtooth",
     "Scaled",
     "Scenario",

@@ -21,6 +21,10 @@ class Seen(NamedTuple):
     time : s.
     q, dq : (n,) rad and rad/s, links in the order of the device's joints.
     theta, dtheta : joint -> (M,) rad and rad/s, its motors at the joint side.
+    ddq : (n,) rad/s^2, links, just before the torques of this instant act; 0 at the first one.
+    tau : joint -> (M,) N m, what acted on its motors until now, within their limits; 0 at first.
+
+    The arrays are the simulator's own: what is kept for later is to be copied.
     """
 
     time: float
@@ -28,6 +32,8 @@ class Seen(NamedTuple):
     dq: Array
     theta: Mapping[str, Array]
     dtheta: Mapping[str, Array]
+    ddq: Array
+    tau: Mapping[str, Array]
 
 
 class Feedback(Protocol):

@@ -144,9 +144,10 @@ class _Feedback:
 
     def __init__(self, arm: Arm, inputs: Sequence[Inputs], u: Sequence[Records]) -> None:
         self._trains = arm.trains
-        self._q, self._dq = np.zeros((2, len(arm.plants)))
+        self._q, self._dq, self._ddq = np.zeros((3, len(arm.plants)))
         self._theta: dict[str, Array] = {}
         self._dtheta: dict[str, Array] = {}
+        self._tau: dict[str, Array] = {}
         self._drivers: list[tuple[Feedback, Array, Array]] = []
         self.control = inputs[0].control
         for train, rows in zip(arm.trains, u, strict=True):
@@ -154,6 +155,7 @@ class _Feedback:
                 name = arm.plants[joint].name
                 self._theta[name] = train.position[place, 1:-1]
                 self._dtheta[name] = train.velocity[place, 1:-1]
+                self._tau[name] = train.acts["tau"][place]
                 for motor, feedback in inputs[joint].feedback.items():
                     felt, logged = rows["tau"][:, place, motor], inputs[joint].tau[:, motor]
                     self._drivers.append((feedback, felt, logged))
@@ -165,7 +167,9 @@ class _Feedback:
         for train in self._trains:
             self._q[train.places] = train.position[:, 0]
             self._dq[train.places] = train.velocity[:, 0]
-        seen = Seen(time, self._q, self._dq, self._theta, self._dtheta)
+            # the last look of the step before was at its end, under the torques before
+            self._ddq[train.places] = train.ddq
+        seen = Seen(time, self._q, self._dq, self._theta, self._dtheta, self._ddq, self._tau)
         for feedback, felt, logged in self._drivers:
             tau = feedback.torque(seen)
             felt[k : k + self.control] = tau

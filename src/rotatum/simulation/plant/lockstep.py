@@ -105,7 +105,7 @@ def _together(
         at.append(march.outputs(time.size))
     for k in range(time.size):
         if k % inputs[0].control == 0:
-            _ask(_seen(plants, marches, float(time[k])), inputs, u, k)
+            _ask(_seen(plants, marches, float(time[k]), u, k), inputs, u, k)
         for march, rows, out in zip(marches, u, at, strict=True):
             march.step(rows[k : k + 1], out[k : k + 1])
         if progress is not None and k % 1024 == 0:
@@ -123,7 +123,14 @@ def _ask(seen: Seen, inputs: Sequence[Inputs], u: Sequence[Records], k: int) -> 
             row.tau[held, motor] = tau
 
 
-def _seen(plants: Sequence[Plant], marches: Sequence[March], time: float) -> Seen:
+def _seen(
+    plants: Sequence[Plant], marches: Sequence[March], time: float, u: Sequence[Records], k: int
+) -> Seen:
+    """Return what feedback sees at sample k.
+
+    The accelerations are those of the last part of the last Runge-Kutta step: at its end, to the
+    third order in the step.
+    """
     position = [march.state["position"][0] for march in marches]
     velocity = [march.state["velocity"][0] for march in marches]
     return Seen(
@@ -132,4 +139,9 @@ def _seen(plants: Sequence[Plant], marches: Sequence[March], time: float) -> See
         np.array([x[0] for x in velocity]),
         {plant.name: x[1:-1] for plant, x in zip(plants, position, strict=True)},
         {plant.name: x[1:-1] for plant, x in zip(plants, velocity, strict=True)},
+        np.array([march.state["acceleration"][0, 0] for march in marches]),
+        {
+            plant.name: rows["tau"][k - 1] if k else np.zeros(len(plant.motors))
+            for plant, rows in zip(plants, u, strict=True)
+        },
     )

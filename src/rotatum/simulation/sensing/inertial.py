@@ -1,108 +1,44 @@
-"""Accelerometers and gyroscopes on the links of an arm, and what goes wrong with them."""
+"""Accelerometers and gyroscopes on the links of an arm: readings along a motion."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rotatum.errors import RotatumError, check_names
 from rotatum.simulation.motion import Motion
-from rotatum.simulation.sensing.checks import NOT_NEGATIVE, POSITIVE, check_value, check_vector
-from rotatum.simulation.sensing.rotations import rotation_about, rotation_of
-from rotatum.simulation.sensing.streams import stream
+from rotatum.simulation.sensing.inertial_unit import (
+    InertialFaults,
+    InertialUnit,
+    Links,
+    angular_rate,
+    specific_force,
+    with_faults,
+)
 
 if TYPE_CHECKING:
     from rotatum.models.device import Device
     from rotatum.models.robot.interface import Robot
 
+__all__ = [
+    "InertialFaults",
+    "InertialUnit",
+    "Links",
+    "angular_rate",
+    "arm_under",
+    "check_inertial",
+    "inertial_readings",
+    "inertial_units",
+    "links_before",
+    "specific_force",
+    "with_faults",
+]
+
 Array = NDArray[np.float64]
 Readings = dict[str, dict[str, Array]]
-_AXES = ("x", "y", "z")
-
-
-class Mounted(Protocol):
-    """An inertial sensor as its device file describes it."""
-
-    @property
-    def name(self) -> str:
-        """What a log calls it."""
-
-    @property
-    def frame(self) -> str:
-        """Frame of the arm it is fixed to."""
-
-    @property
-    def position(self) -> Sequence[float]:
-        """Where in the frame, (3,) m."""
-
-    @property
-    def rpy(self) -> Sequence[float]:
-        """How it is turned in the frame: roll, pitch, yaw, (3,) rad."""
-
-    @property
-    def axes(self) -> Sequence[str]:
-        """Axes it measures, of "x", "y", "z"."""
-
-
-@dataclass(frozen=True)
-class InertialFaults:
-    """What goes wrong with an accelerometer or gyroscope; by default nothing.
-
-    The faults act in the order of this list. Units of a reading: m/s^2 or rad/s.
-
-    Parameters
-    ----------
-    delay
-        s: the reading is that of an earlier instant.
-    misalignment
-        (3,) rad: the sensor is turned by this rotation vector, in its own axes, against the pose
-        the device file gives.
-    bias
-        (3,) added, along x, y, z.
-    noise
-        Standard deviation of white Gaussian noise.
-    saturation
-        Beyond it a reading is this limit; None: no limit.
-    resolution
-        Readings are multiples of it; None: as fine as numbers.
-
-    Raises `RotatumError` for a value no sensor can have.
-    """
-
-    noise: float = 0.0
-    bias: Sequence[float] = (0.0, 0.0, 0.0)
-    misalignment: Sequence[float] = (0.0, 0.0, 0.0)
-    delay: float = 0.0
-    saturation: float | None = None
-    resolution: float | None = None
-
-    def __post_init__(self) -> None:
-        """Check the values."""
-        for name in ("noise", "delay"):
-            check_value(f"inertial.{name}", getattr(self, name), NOT_NEGATIVE)
-        for name in ("bias", "misalignment"):
-            check_vector(f"inertial.{name}", getattr(self, name))
-        for name in ("saturation", "resolution"):
-            if getattr(self, name) is not None:
-                check_value(f"inertial.{name}", getattr(self, name), POSITIVE)
-
-
-@dataclass(frozen=True)
-class Links:
-    """Motion of an arm's links at instants, (K, n) each, in the order of the device's joints.
-
-    Parameters
-    ----------
-    q, dq, ddq : rad, rad/s, rad/s^2.
-    """
-
-    q: Array
-    dq: Array
-    ddq: Array
 
 
 def inertial_readings(
@@ -130,29 +66,46 @@ def inertial_readings(
     Raises `RotatumError` for faults of a sensor the device does not have or of two sensors of one
     name, and for sensors without an arm; `DeviceError` for a frame the arm does not have.
     """
-    _check_names(device, faults)
+    check_inertial(device, faults)
     if not (device.accelerometers or device.gyroscopes):
         return {}
-    robot = motion.robot
+    robot = arm_under(device, motion.robot)
+    found: Readings = {}
+    for unit in inertial_units(device, faults, seed=seed):
+        links = links_before(motion, device, unit.faults.delay - late, every)
+        shown = unit.show(robot, links)
+        axes = {
+            f"{unit.letter}{axis}": x.copy() for axis, x in zip(unit.axes, shown.T, strict=True)
+        }
+        found.setdefault(unit.sensor.name, {}).update(axes)
+    return found
+
+
+def inertial_units(
+    device: Device, faults: Mapping[str, InertialFaults], *, seed: int
+) -> tuple[InertialUnit, ...]:
+    """Return a device's accelerometers, then its gyroscopes, in its order, with their faults."""
+    return tuple(
+        InertialUnit(
+            sensor, kind, faults.get(sensor.name, InertialFaults()), seed=seed, number=number
+        )
+        for kind, sensors in (
+            ("accelerometer", device.accelerometers),
+            ("gyroscope", device.gyroscopes),
+        )
+        for number, sensor in enumerate(sensors)
+    )
+
+
+def arm_under(device: Device, robot: Robot | None) -> Robot:
+    """Return the arm a device's inertial sensors sit on; raise `RotatumError` if there is none."""
     if robot is None:
         raise RotatumError(
             "an inertial sensor sits on a frame of an arm, and this device describes no arm",
             where=device.name,
             hint="Give the device file a table [robot].",
         )
-    found: Readings = {}
-    for letter, kind, measure, sensors in (
-        ("a", "accelerometer", specific_force, device.accelerometers),
-        ("g", "gyroscope", angular_rate, device.gyroscopes),
-    ):
-        for number, sensor in enumerate(sensors):
-            wrong = faults.get(sensor.name, InertialFaults())
-            true = measure(robot, sensor, links_before(motion, device, wrong.delay - late, every))
-            drawn = stream(seed, f"noise.{kind}", number).standard_normal(true.shape)
-            shown = with_faults(true, wrong, drawn)
-            axes = {f"{letter}{axis}": shown[:, _AXES.index(axis)].copy() for axis in sensor.axes}
-            found.setdefault(sensor.name, {}).update(axes)
-    return found
+    return robot
 
 
 def links_before(motion: Motion, device: Device, seconds: Array | float, every: int) -> Links:
@@ -172,57 +125,8 @@ def links_before(motion: Motion, device: Device, seconds: Array | float, every: 
     )
 
 
-def specific_force(robot: Robot, sensor: Mounted, links: Links) -> Array:
-    """Return what an ideal accelerometer shows, (K, 3) m/s^2 in its own axes.
-
-    ``f = R^T (a - g)`` with the acceleration a of its place and the vector g of gravity: at rest
-    it shows g upwards (deluca2007 eq. 9 with g0 pointing up).
-
-    Raises `DeviceError` for a frame the arm does not have.
-    """
-    rotation, w, turned, a = _frame_motions(robot, sensor.frame, links)
-    arm = rotation @ np.asarray(sensor.position, dtype=np.float64)
-    a = a + np.cross(turned, arm) + np.cross(w, np.cross(w, arm))
-    return _in_sensor(sensor, rotation, a - robot.gravity_vector)
-
-
-def angular_rate(robot: Robot, sensor: Mounted, links: Links) -> Array:
-    """Return what an ideal gyroscope shows, ``R^T w``, (K, 3) rad/s in its own axes.
-
-    Raises `DeviceError` for a frame the arm does not have.
-    """
-    rotation, w, _, _ = _frame_motions(robot, sensor.frame, links)
-    return _in_sensor(sensor, rotation, w)
-
-
-def with_faults(true: Array, faults: InertialFaults, drawn: Array) -> Array:
-    """Return readings (K, 3) with faults; `drawn` (K, 3) are standard normal numbers."""
-    x: Array = true @ rotation_about(faults.misalignment)
-    x = x + np.asarray(faults.bias, dtype=np.float64) + faults.noise * drawn
-    if faults.saturation is not None:
-        x = np.clip(x, -faults.saturation, faults.saturation)
-    if faults.resolution is not None:
-        x = faults.resolution * np.round(x / faults.resolution)
-    return x
-
-
-def _frame_motions(robot: Robot, frame: str, links: Links) -> tuple[Array, Array, Array, Array]:
-    """Return axes (K, 3, 3), angular velocity, its rate, and acceleration (K, 3) of a frame."""
-    rotation = np.array([robot.pose(frame, q).rotation for q in links.q])
-    states = zip(links.q, links.dq, links.ddq, strict=True)
-    moves = [robot.motion(frame, q, dq, ddq) for q, dq, ddq in states]
-    w = np.array([move.angular_velocity for move in moves])
-    turned = np.array([move.angular_acceleration for move in moves])
-    return rotation, w, turned, np.array([move.acceleration for move in moves])
-
-
-def _in_sensor(sensor: Mounted, rotation: Array, x: Array) -> Array:
-    """Return vectors (K, 3) of the world in the sensor's own axes."""
-    seen: Array = np.einsum("kij,ki->kj", rotation @ rotation_of(sensor.rpy), x)
-    return seen
-
-
-def _check_names(device: Device, faults: Mapping[str, InertialFaults]) -> None:
+def check_inertial(device: Device, faults: Mapping[str, InertialFaults]) -> None:
+    """Refuse faults of a sensor the device does not have, or of two sensors of one name."""
     accelerometers = [sensor.name for sensor in device.accelerometers]
     gyroscopes = [sensor.name for sensor in device.gyroscopes]
     names = (*accelerometers, *gyroscopes)
