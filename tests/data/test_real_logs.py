@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import rotatum as rt
+from rotatum.evaluation import JointEstimate
 
 Find = Callable[[str], Path]
 BENCH = "utokyo-two-inertia/MultisineTypeA.mat"
@@ -80,7 +81,7 @@ def test_bench_residual_is_biased_and_says_so(
     assert "delayed copy" in joint.reason
 
 
-def one(estimate: rt.Estimate) -> rt.JointEstimate:
+def one(estimate: rt.Estimate) -> JointEstimate:
     (joint,) = estimate.joints.values()
     return joint
 

@@ -135,13 +135,15 @@ def test_show_1_rotatum_without_and_with_encoders(name: str) -> None:
 
 
 @pytest.mark.slow
-def test_show_2_friction_fitted_beats_the_papers_method() -> None:
+def test_show_2_friction_fitted_or_left_out() -> None:
     viscous = tracks("viscous friction")
     static = tracks("static friction")
     for i in (0, 1):
         assert viscous[FITTED][i].mean < 0.1 * viscous["rotatum"][i].mean
-        assert static[SELECTED[2]][i].mean < static[SELECTED[0]][i].mean
-        assert static[SELECTED[0]][i].mean < 0.1 * static["rotatum"][i].mean
+        # To rates between two turns of the link a constant torque is nothing: as good as a column.
+        assert static[SELECTED[2]][i].mean < 0.001 * static[DEADBEAT][i].mean
+        assert static[SELECTED[2]][i].mean < 3.0 * static[SELECTED[0]][i].mean
+        assert static[SELECTED[0]][i].mean < 0.001 * static["rotatum"][i].mean
 
 
 @pytest.mark.slow
