@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotatum.estimators.armterms import Views, arm_terms, views
+from rotatum.estimators.samples import MISSING, fill_guard
 from rotatum.estimators.shapes import roles
-from rotatum.estimators.tuning import MISSING, Prepared, fill_guard
+from rotatum.estimators.tuning import Prepared
 from rotatum.kernels import arm, guard
 from rotatum.models import Device
 from rotatum.record import Field, Layout, Records

@@ -28,16 +28,14 @@ from rotatum.estimators.filters import (
 )
 from rotatum.estimators.judging import fill_readout, fill_solver, fill_sums
 from rotatum.estimators.operators import EXPONENTIAL, OBSERVER, WINDOW, Operator
+from rotatum.estimators.samples import fill_guard, fill_zero
 from rotatum.estimators.settings import Settings
-from rotatum.estimators.shapes import Shape, ends_of, ring_size, roles
+from rotatum.estimators.shapes import Shape, ends_of, ring_size
 from rotatum.models import Joint
 from rotatum.record import Records
 from rotatum.runtime.stage import Stage
 
-ZERO_SECONDS = 0.05  # of rest at the start from which the deflection's zero is read
-MISSING = 8  # samples bridged by straight lines
 OBSERVED = 128  # samples an observer has room for at least: what it does not use costs nothing
-TOP_SPEED = 100.0  # rad/s at the joint: faster than any joint, slower than a jump of an encoder
 
 
 class Prepared(NamedTuple):
@@ -138,7 +136,7 @@ def prepare(
         record = part["rows"]
         for k, which in enumerate(("zero", "zero2") if together else ("zero",)):
             at = i + k
-            _zero(record[which], joint, at, period, None if zeros is None else zeros[at], notes)
+            fill_zero(record[which], joint, at, period, None if zeros is None else zeros[at], notes)
         _basis(record["basis"], joint, own, notes)
         _rows(record, joint, i, settings, shape, phase, holds.get(f"tau{end}") == "held", notes)
         fill_solver(part, joint, i, settings, powers, arm)
@@ -206,46 +204,6 @@ def _bandwidth_note(settings: Settings) -> str:
         memory = operator.row_period / (1.0 - settings.forgetting)
         law = f"a law that changes is followed over {memory:.3g} s"
     return f"{operator.passband:.3g} Hz: faster motion does not reach the rows; {law}"
-
-
-def fill_guard(
-    record: Any, joint: Joint, settings: Settings, notes: dict[str, str], first: int = 0, n: int = 1
-) -> None:
-    """Fill ``GuardParams`` of a joint, or of joint ``first`` of n in an arm."""
-    period = settings.operator.period
-    jump = max(0.05, TOP_SPEED * period)
-    record["period"] = period
-    record["missing"] = MISSING
-    for place, role in enumerate(roles(joint.actuation, settings.torque, settings.side)):
-        # An arm's sample has room for the antagonists' positions before the set-points.
-        i = (3 if role == "setpoint" and n > 1 else place) * n + first
-        if role == "q" or role.startswith("theta"):
-            record["jump"][i] = jump
-            wrap = joint.encoders.wrap_link if role == "q" else joint.encoders.wrap_motor
-            record["wrap"][i] = wrap or 0.0
-        motor = joint.motor_of(role) if role.startswith("tau") else None
-        if motor is not None and motor.torque_limit is not None:
-            record["limit"][i] = motor.torque_limit * abs(motor.gear_ratio)
-    notes["guard"] = (
-        f"up to {MISSING} missing samples are bridged; an angle moving by more than {jump:.3g} rad "
-        "in a sample is a jump"
-    )
-
-
-def _zero(
-    record: Any, joint: Joint, which: int, period: float, zero: float | None, notes: dict[str, str]
-) -> None:
-    filed = joint.transmissions[which].zero
-    if zero is None and isinstance(filed, float | int):
-        zero = float(filed)
-    if zero is None:
-        record["samples"] = max(1, round(ZERO_SECONDS / period))
-        said = f"mean deflection of the first {record['samples']} samples"
-    else:
-        record["zero"] = zero
-        source = "mean of the log" if filed == "mean" else "device file"
-        said = f"{zero:.6g} rad ({source})"
-    notes["zero"] = said if which == 0 or notes["zero"] == said else f"{notes['zero']}; {said}"
 
 
 def _basis(record: Any, joint: Joint, powers: tuple[Power, ...], notes: dict[str, str]) -> None:

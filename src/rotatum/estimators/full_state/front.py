@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rotatum.estimators.tuning import MISSING, TOP_SPEED
+from rotatum.estimators.samples import MISSING, largest_jump
 from rotatum.kernels import channels, guard
 from rotatum.models.joint import Joint
 from rotatum.record import Field, Layout
@@ -81,7 +81,7 @@ class Front:
         record = params["guard"][0]
         record["period"], record["missing"] = period, MISSING
         for i, joint in enumerate(joints):
-            record["jump"][i] = max(0.05, TOP_SPEED * period)
+            record["jump"][i] = largest_jump(period)
             record["wrap"][i] = joint.encoders.wrap_motor or 0.0
         self.bank = Bank(stage, params)
         self._u, self._out = stage.input.zeros(1), stage.output.zeros(1)

@@ -22,7 +22,7 @@ from rotatum.estimators.full_state.poles import (
     injection,
 )
 from rotatum.estimators.guarded import guarded
-from rotatum.estimators.tuning import MISSING, TOP_SPEED
+from rotatum.estimators.samples import MISSING, largest_jump
 from rotatum.kernels import luenberger
 from rotatum.models.joint import Joint
 from rotatum.record import Layout, Records
@@ -229,5 +229,5 @@ def _fill_guard(record: Any, joint: Joint, period: float) -> None:
     theta = CHANNELS.index("theta")
     record["period"] = period
     record["missing"] = MISSING
-    record["jump"][theta] = max(0.05, TOP_SPEED * period)
+    record["jump"][theta] = largest_jump(period)
     record["wrap"][theta] = joint.encoders.wrap_motor or 0.0
