@@ -13,6 +13,7 @@ from rotatum.cli import (
     devices,
     estimate,
     export,
+    observe,
     reproduce,
     simulate,
     sweep,
@@ -62,6 +63,7 @@ def _program(
 app.command("estimate")(estimate.estimate)
 app.command("compare")(compare.compare)
 app.command("characterise")(characterise.characterise)
+app.command("observe")(observe.observe)
 app.command("demo")(demo.demo)
 app.command("simulate")(simulate.simulate)
 app.command("sweep")(sweep.sweep)

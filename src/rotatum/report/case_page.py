@@ -25,8 +25,10 @@ _NUMBERS = {
     "ours, algebraic": attrgetter("algebraic"),
     "ours, rotatum": attrgetter("rotatum"),
     "ours, weak": attrgetter("weak"),
+    "without observer": attrgetter("without"),
+    "observer": attrgetter("observed"),
+    "true state": attrgetter("true"),
 }
-_SELDOM = ("ours, algebraic", "ours, rotatum")
 
 # The same name has the same colour on every page; others take what is left, in their order.
 _COLOURS = {
@@ -48,6 +50,10 @@ _COLOURS = {
     "data": DATA,
     "measured": DATA,
     "differencing": DATA,
+    "observer": ESTIMATE,
+    "full state, observed": ESTIMATE,
+    "motors alone": MEASURED,
+    "asked for": TRUTH,
 }
 _OTHERS = ("#0072B2", "#E69F00", "#CC79A7", "#56B4E9", "#D55E00", "#7A8794", "#009E73")
 _DASHES = {"line": "solid", "dashed": "dash", "dotted": "solid"}
@@ -99,12 +105,12 @@ def columns(values: Sequence[Value]) -> tuple[str, ...]:
 
     Parameters
     ----------
-    values : its lines; a method that no line has a number of has no column.
+    values : its lines; what no line has a number of has no column.
     """
     found = [
         title
         for title, read in _NUMBERS.items()
-        if title not in _SELDOM or any(read(value) is not None for value in values)
+        if any(read(value) is not None for value in values)
     ]
     return ("", "unit", *found)
 

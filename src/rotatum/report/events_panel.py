@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
+from numpy.typing import NDArray
 
 from rotatum.kernels.status import TABLE
 from rotatum.report.palette import ESTIMATE
@@ -10,7 +13,7 @@ from rotatum.report.panel import Panel, Row, Trace
 from rotatum.report.thin import buckets
 from rotatum.report.view import View
 
-__all__ = ["events_panel"]
+__all__ = ["events_panel", "status_panel"]
 
 _CELLS = 400  # along time
 
@@ -22,14 +25,28 @@ def events_panel(shown: View) -> Panel:
     ----------
     shown : the joint.
     """
-    seen = [bit for bit in TABLE if shown.estimate.samples.get(bit.name)]
+    return status_panel(shown.time, shown.status, shown.estimate.samples)
+
+
+def status_panel(
+    time: NDArray[np.float64], status: NDArray[np.int64], samples: Mapping[str, int]
+) -> Panel:
+    """Return which status bits were set when.
+
+    Parameters
+    ----------
+    time : (N,) s, increasing.
+    status : (N,) bits.
+    samples : name of a bit to how many samples had it; one that none had is not shown.
+    """
+    seen = [bit for bit in TABLE if samples.get(bit.name)]
     traces: list[Trace] = []
-    if seen and len(shown.time) > 1:
-        edges = buckets(len(shown.time), _CELLS)
+    if seen and len(time) > 1:
+        edges = buckets(len(time), _CELLS)
         starts = [first for first, _ in edges]
         share = [
-            np.add.reduceat((shown.status & bit.bit) != 0, starts, dtype=np.float64)
-            / np.diff([*starts, len(shown.time)])
+            np.add.reduceat((status & bit.bit) != 0, starts, dtype=np.float64)
+            / np.diff([*starts, len(time)])
             for bit in seen
         ]
         # A single sample out of thousands has to be seen.
@@ -37,7 +54,7 @@ def events_panel(shown: View) -> Panel:
         traces.append(
             {
                 "type": "heatmap",
-                "x": np.append(shown.time[starts], shown.time[-1]),
+                "x": np.append(time[starts], time[-1]),
                 "y": [bit.name for bit in seen],
                 "z": shade.astype(np.float32),
                 "customdata": 100.0 * np.array(share, np.float32),

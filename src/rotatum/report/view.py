@@ -13,7 +13,7 @@ from rotatum.kernels.status import PRIOR, SETTLING
 from rotatum.models import Joint
 from rotatum.models.units import find_unit
 
-__all__ = ["View", "view"]
+__all__ = ["View", "in_order", "view"]
 
 Array = NDArray[np.float64]
 
@@ -158,9 +158,18 @@ def view(estimate: Estimate, joint: str) -> View:
     """
     found = estimate.joints[joint]
     described = next(j for j in estimate.device.joints if j.name == joint)
-    time = found.records["time"]
+    unit = described.torque_unit(estimate.torque)
+    return View(found, described, unit, in_order(found.records["time"]))
+
+
+def in_order(time: Array) -> NDArray[np.int64]:
+    """Return the indices of the samples whose time is finite and later than any before.
+
+    Parameters
+    ----------
+    time : (N,) s.
+    """
     finite = np.flatnonzero(np.isfinite(time))
     latest = np.maximum.accumulate(time[finite])
     later = np.concatenate([[True], np.diff(latest) > 0.0])
-    unit = described.torque_unit(estimate.torque)
-    return View(found, described, unit, finite[later[: len(finite)]])
+    return np.asarray(finite[later[: len(finite)]])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,6 +86,11 @@ class Calibration:
         at = ["xyz".index(axis) for axis in self.sensor.axes]
         corrected: Array = (readings - self.bias[at]) / (1.0 + self.values[6:9][at])
         return corrected
+
+    def to_json(self) -> dict[str, Any]:
+        """Its object in ``--json``: name to value and standard deviation, of what the data tell."""
+        numbers = zip(NAMES, self.values.tolist(), self.std.tolist(), strict=True)
+        return {name: [value, std] for name, value, std in numbers if name in self.determined}
 
     def text(self) -> str:
         """Return a table: value, standard deviation, and whether the data tell it."""
