@@ -7,10 +7,11 @@ from scipy.integrate import solve_ivp
 from rotatum.control import ElasticArm, RestToRest, desired_motion, inverse_dynamics
 from rotatum.control.spring_inverse import deflections_for, inverted
 from rotatum.errors import DeviceError, RotatumError
+from rotatum.evaluation.loop import at_rest, without_friction
 from rotatum.models.device import device_from_tables, load_device
 from rotatum.models.transmission import Transmission
 from rotatum.simulation import simulate
-from tests.control.loops import PERIOD, at_rest, planar_arm, without_friction
+from tests.control.loops import PERIOD, planar_arm
 
 
 def held(time, tau):

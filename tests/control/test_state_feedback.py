@@ -14,9 +14,9 @@ from rotatum.control import (
     motor_feedback,
 )
 from rotatum.errors import RotatumError
+from rotatum.evaluation.loop import closed_loop, less_known, without_friction
 from rotatum.models.device import load_device
-from rotatum.simulation.sensing.live import LiveSensors
-from tests.control.loops import PERIOD, closed_loop, told_wrong, vibration, without_friction
+from tests.control.loops import PERIOD
 
 STRETCHED = np.array([0.0, 0.5 * np.pi, 0.0])
 BEGIN, SECONDS, AFTER = 0.05, 0.45, 0.4
@@ -26,7 +26,7 @@ BEGIN, SECONDS, AFTER = 0.05, 0.45, 0.4
 def short_motion(name, stiffness=0.9):
     """Device and what its controller believes: no payload, softer springs; 5 deg of axis 1."""
     device = without_friction(load_device(name))
-    arm = ElasticArm.of(told_wrong(device, stiffness))
+    arm = ElasticArm.of(less_known(device, stiffness=stiffness))
     way = np.radians([5.0, 0.0, 0.0])
     motion = RestToRest(STRETCHED, STRETCHED + way, BEGIN, SECONDS)
     return device, arm, desired_motion(arm, motion, PERIOD, BEGIN + SECONDS + AFTER)
@@ -37,8 +37,7 @@ def left_swinging(name, full, damping=0.7):
     """Vibration of axis 1 after the stop [rad^2 s]."""
     device, arm, desired = short_motion(name)
     law = (full_state_feedback if full else motor_feedback)(arm, STRETCHED, damping=damping)
-    log = closed_loop(device, desired, law)
-    return vibration(log, "axis1", BEGIN + SECONDS)
+    return closed_loop(device, desired, law).vibration("axis1", BEGIN + SECONDS)
 
 
 def best_of_motors(name):
@@ -61,7 +60,7 @@ def test_a_perfect_model_leaves_the_law_nothing_to_do():
     arm = ElasticArm.of(device)
     motion = RestToRest(STRETCHED, STRETCHED + 0.05, 0.05, 0.4)
     desired = desired_motion(arm, motion, PERIOD, 0.5)
-    log = closed_loop(device, desired, full_state_feedback(arm, STRETCHED))
+    log = closed_loop(device, desired, full_state_feedback(arm, STRETCHED)).log
     for i, name in enumerate(arm.names):
         miss, torsion = log.joints[name]["q_true"] - desired.q[:, i], desired.theta - desired.q
         # torques held over 1 ms are off by T^2/24 of their second derivative, (2 pi / 0.1 s)^2
@@ -71,7 +70,6 @@ def test_a_perfect_model_leaves_the_law_nothing_to_do():
 def test_an_estimate_out_of_ideal_sensors_closes_the_same_loop():
     device, arm, desired = short_motion("kr15-like")
     law = motor_feedback(arm, STRETCHED)
-    sensors = LiveSensors(device, period=PERIOD)
     last = desired.theta[0].copy()
 
     def estimate(readings):
@@ -80,8 +78,9 @@ def test_an_estimate_out_of_ideal_sensors_closes_the_same_loop():
         last[:] = readings.theta
         return state
 
-    log = closed_loop(device, desired, law, sensors=sensors, estimate=estimate)
-    found = vibration(log, "axis1", BEGIN + SECONDS)
+    run = closed_loop(device, desired, law, estimate=estimate)
+    assert np.isnan(run.estimate[:, 1]).all()  # as they were fed back
+    found = run.vibration("axis1", BEGIN + SECONDS)
     # velocities by difference, half a millisecond late: 3 % of 30 rad/s in phase
     assert found == pytest.approx(left_swinging("kr15-like", full=False), rel=0.3)
 

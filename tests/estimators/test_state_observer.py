@@ -112,6 +112,21 @@ def test_a_batch_is_its_samples_bit_for_bit_and_a_reset_forgets() -> None:
     assert np.array_equal(found["status"][:, 0], status)
 
 
+def test_a_controller_that_waits_for_the_state_loses_nothing() -> None:
+    run = swing()
+    held = {"holds": {"series-demo": True}}
+    logged, _ = fed(rt.StateObserver(run.device, period=T, **held), run)
+    loop = rt.StateObserver(run.device, period=T, **held)
+    acted = np.vstack([run.tau[:1], run.tau[:-1]])
+    known = np.array([
+        loop.update(
+            theta=run.theta[k], tau=acted[k], acted=True, readings=run.acc[k], time=run.time[k]
+        ).q[0]
+        for k in range(len(run.time))
+    ])  # fmt: skip
+    assert np.array_equal(known, logged[:, 0])
+
+
 def test_it_starts_at_rest_under_gravity() -> None:
     run = swing()
     q0 = 0.7

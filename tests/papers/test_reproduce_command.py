@@ -102,6 +102,16 @@ def test_a_method_only_some_papers_need_has_a_column_where_it_has_a_number() -> 
     assert "ours, algebraic" not in columns(values[1:])
 
 
+def test_an_observer_stands_between_doing_without_and_the_truth() -> None:
+    value = Value("link, rms", "mrad", without=0.5, observed=0.02, true=0.0)
+    assert columns([value]) == ("", "unit", "without observer", "observer", "true state")
+    assert cells(value, columns([value])) == ["link, rms", "mrad", "0.5", "0.02", "0"]
+    told = value.to_json()
+    assert [told[k] for k in ("without_observer", "observer", "true_state")] == [0.5, 0.02, 0.0]
+    assert told["weak"] is None
+    assert "observer" not in Value("error", "%", own=3.0).to_json()
+
+
 def test_plots_over_one_logarithmic_axis_all_are() -> None:
     from numpy import arange
 

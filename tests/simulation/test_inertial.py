@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from rotatum.errors import RotatumError
 from rotatum.models.robot.pendulum import Pendulum
 from rotatum.models.robot.planar import Planar
+from rotatum.models.rotations import rotation_about, rotation_of
 from rotatum.simulation.motion import Motion
 from rotatum.simulation.sensing.inertial import (
     InertialFaults,
@@ -22,7 +23,6 @@ from rotatum.simulation.sensing.inertial import (
     specific_force,
     with_faults,
 )
-from rotatum.models.rotations import rotation_about, rotation_of
 from tests.simulation.moving import SWINGS, angle, speed, swinging
 from tests.simulation.plants import PERIOD
 

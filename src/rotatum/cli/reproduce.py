@@ -37,8 +37,8 @@ def reproduce(
     """Compute the papers' tables and figures again.
 
     Prints, for each case, the paper's value, ours with the paper's own settings, and ours with
-    method weak (of menard2013 with algebraic, of trumic2022 with rotatum too), and says what was
-    assumed where the paper is silent.
+    method weak (of menard2013 with algebraic, of trumic2022 with rotatum too; of deluca2007 with
+    its observer and without), and says what was assumed where the paper is silent.
 
     Exit code 0: done; 1: every case asked for still waits for something, which is said.
     """

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rotatum.errors import MethodError
 from rotatum.estimators.armfront import ArmFront
+from rotatum.estimators.fitted_law import FittedLaw, fitted_laws, zeros_of
 from rotatum.estimators.measured import Measured
 from rotatum.estimators.preparing import prepare_all
 from rotatum.estimators.readings import Group, Readings, batch_records
@@ -253,6 +254,30 @@ class Estimator:
                     inner = group.bank.state[i]["inner"]
                     apart = group.prepared[i].apart
                     return (inner["first"], inner["second"]) if apart else (inner,)
+        raise IndexError(place)
+
+    def laws(self, place: int = 0) -> tuple[FittedLaw, ...]:
+        """Return what is known now of each transmission of a joint, for any deflection.
+
+        Args:
+            place: of the joint in the device.
+
+        Raises:
+            MethodError: its law depends on a set-point.
+        """
+        for group in self.groups:
+            for i, own in enumerate(group.places):
+                if own == place:
+                    # fields of arrays, not of records: a loop asks at every sample
+                    inner = group.bank.state["inner"]
+                    parts = (
+                        (inner["first"], inner["second"]) if group.prepared[i].apart else (inner,)
+                    )
+                    return fitted_laws(
+                        group.prepared[i],
+                        group.out["coefficients"][i].tolist(),
+                        [x for part in parts for x in zeros_of(part["rows"][i : i + 1])],
+                    )
         raise IndexError(place)
 
     def reset(self) -> None:

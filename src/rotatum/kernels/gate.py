@@ -3,8 +3,8 @@
 Static friction jumps where the link turns round, and a link that stands still tells nothing of what
 its motors do to the stiffness. The gate stands between rows and solver, whatever the method: it
 closes where the link's speed falls below one threshold and opens above a higher one. What a row is
-made of lies ``late`` to ``span`` samples back: it counts where the gate was open all that while, and
-so for a while after the gate has closed.
+made of lies ``late`` to ``span`` samples back: it counts where the gate was open all that while,
+and so for a while after the gate has closed.
 """
 
 from __future__ import annotations
@@ -68,12 +68,7 @@ def step(params: Any, state: Any, q: float, fresh: int, row: Any) -> None:
     if speed > params.high:
         state.open = 1
     _count(params, state)
-    moved = 0
-    if state.clear >= params.span:
-        moved = 1
-    elif state.open == 0 and state.ago <= params.late and state.run + state.ago >= params.span:
-        moved = 1
-    if moved == 1:
+    if _moved(params, state) != 0:
         state.held = 0
     else:
         row.valid = 0
@@ -95,3 +90,12 @@ def _count(params: Any, state: Any) -> None:
         state.ago = 0
     if state.ago <= params.late:
         state.ago = state.ago + 1
+
+
+def _moved(params: Any, state: Any) -> int:
+    """Whether the gate was open all the while that the row is made of."""
+    if state.clear >= params.span:
+        return 1
+    if state.open == 0 and state.ago <= params.late and state.run + state.ago >= params.span:
+        return 1
+    return 0

@@ -23,7 +23,7 @@ class RatesState(Record):
     head = integer("row the next ones go to: that of the oldest, once the window is full")
     length = integer("rows in the ring since the (re)start")
     steps = integer("steps with a full window since then, settle at most")
-    valid = integer("1: rates were made of this sample")
+    valid = integer("1: rates were made of the last sample")
     settled = integer("1: the start is forgotten")
 
 
@@ -41,11 +41,6 @@ def restart(state: Any) -> None:
     state.steps = 0
     state.valid = 0
     state.settled = 0
-
-
-def idle(state: Any) -> None:
-    """No new sample: the rates stand, and are not new."""
-    state.valid = 0
 
 
 def push(params: Any, state: Any, raw: Any, place: int) -> None:

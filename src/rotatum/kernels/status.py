@@ -48,7 +48,7 @@ WRONG = LAG | INERTIA | OFFSET | DRIFT | NEGATIVE | VELOCITY
 
 TABLE: tuple[Status, ...] = (
     Status(
-        "not_finite", NOT_FINITE, "a channel or the time was NaN, infinite or beyond 1e12: skipped"
+        "not_finite", NOT_FINITE, "a channel or the time was NaN, infinite or beyond 1e12: not used"
     ),
     Status("repeated", REPEATED, "the time stamp came again or too early: sample skipped"),
     Status("backwards", BACKWARDS, "time ran backwards: sample skipped"),
@@ -57,7 +57,7 @@ TABLE: tuple[Status, ...] = (
     Status("jump", JUMP, "a channel jumped further than it can move: filters restarted"),
     Status("saturated", SATURATED, "a channel is at its limit: sample skipped, filters restarted"),
     Status("restarted", RESTARTED, "filters start here"),
-    Status("settling", SETTLING, "filters have not forgotten their start: no row"),
+    Status("settling", SETTLING, "filters have not forgotten their start"),
     Status("disabled", DISABLED, "updates are switched off by the caller"),
     Status(
         "wide",

@@ -18,12 +18,15 @@ class Elastic(NamedTuple):
     stiffness : sigma, its derivative by the deflection [N m/rad].
     slope : dsigma/dphi [N m/rad^2].
     curvature : d2sigma/dphi2 [N m/rad^3].
+    offset : what acts on its motor beside the spring, ``B theta'' + D theta' - tau_e - offset = u``
+        [N m].
     """
 
     torque: float
     stiffness: float
     slope: float
     curvature: float
+    offset: float = 0.0
 
 
 class ElasticLaw(Protocol):

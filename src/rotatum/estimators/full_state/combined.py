@@ -73,6 +73,7 @@ class CombinedEstimator:
         readings: ArrayLike,
         rates: ArrayLike | None = None,
         setpoint: ArrayLike | None = None,
+        acted: bool = False,
         time: float | None = None,
     ) -> Both:
         """Take one sample of every joint; arguments as those of observer and estimator.
@@ -82,11 +83,12 @@ class CombinedEstimator:
             tau: (n,) motor torques at the joint [N m].
             readings, rates: of the links' sensors.
             setpoint: (n,) as logged (serial joints).
+            acted: tau is what has acted since the sample before, as of ``StateObserver.update``.
             time: of the sample [s]; None: one period after the one before.
         """
         state = self.observer.update(
             theta=theta, tau=tau, readings=readings, rates=rates, setpoint=setpoint,
-            stiffness=self._stiffness, time=time,
+            stiffness=self._stiffness, acted=acted, time=time,
         )  # fmt: skip
         settled = (state.status & SETTLING) == 0
         found = self.estimator.update(

@@ -119,19 +119,23 @@ class StateObserver:
         rates: ArrayLike | None = None,
         setpoint: ArrayLike | None = None,
         stiffness: ArrayLike | None = None,
+        acted: bool = False,
         time: float | None = None,
     ) -> FullState:
         """Take one sample of everything; a bad one is skipped and said in ``status``.
 
         Args:
             theta: (n,) motor positions at the joint [rad].
-            tau: (n,) motor torques at the joint [N m].
+            tau: (n,) motor torques at the joint [N m], as a log has them: measured at the instant,
+                or commanded from it on.
             readings: (M,) m/s^2, as `columns` says; or (n,) link accelerations [rad/s^2]. A NaN is
                 a sensor that said nothing.
             rates: (G,) rad/s, as `gyro_columns` says; None: none came.
             setpoint: (n,) as logged (serial joints).
             stiffness: (n,) N m/rad to be used, an estimate; 0: the device's, NaN: that in use;
                 None: the device's law at the observed deflection.
+            acted: tau is what has acted since the sample before: all that a controller knows which
+                waits for this state.
             time: of the sample [s]; None: one period after the one before.
 
         Returns:
@@ -148,6 +152,8 @@ class StateObserver:
             now, np.asarray(theta, dtype=np.float64), np.asarray(tau, dtype=np.float64),
             levers, inertial,
         ):  # fmt: skip
+            if acted and not step.hold:
+                self.bank.state["torque"] = step.torque
             self._take(step, stiffness)
         return self._state
 

@@ -28,6 +28,9 @@ class Value(NamedTuple):
         weak: ours with method ``weak``; with defaults unless the label says otherwise.
         algebraic: ours with method ``algebraic``, likewise.
         rotatum: ours with method ``rotatum``, likewise.
+        without: without an observer: a joint taken for rigid, or a law of the motors alone.
+        observed: with the observer.
+        true: with the true state in its place.
     """
 
     label: str
@@ -37,9 +40,15 @@ class Value(NamedTuple):
     weak: float | None = None
     algebraic: float | None = None
     rotatum: float | None = None
+    without: float | None = None
+    observed: float | None = None
+    true: float | None = None
 
     def to_json(self) -> dict[str, Any]:
-        """The line's object in ``--json``; JSON has no infinity, which becomes null."""
+        """The line's object in ``--json``; JSON has no infinity, which becomes null.
+
+        Of what an observer is compared with it has what there is.
+        """
         numbers = {
             "paper": self.paper,
             "paper_settings": self.own,
@@ -47,6 +56,12 @@ class Value(NamedTuple):
             "rotatum": self.rotatum,
             "weak": self.weak,
         }
+        states = {
+            "without_observer": self.without,
+            "observer": self.observed,
+            "true_state": self.true,
+        }
+        numbers |= {k: x for k, x in states.items() if x is not None}
         told = {k: x if x is not None and isfinite(x) else None for k, x in numbers.items()}
         return {"label": self.label, "unit": self.unit, **told}
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from rotatum.errors import MethodError, nearest
-from rotatum.evaluation.papers import flacco2012, menard2013, trumic2022
+from rotatum.evaluation.papers import deluca2007, flacco2012, menard2013, trumic2022
 from rotatum.evaluation.papers.case import Case
 
 __all__ = ["PAPERS", "Paper", "asked_for"]
@@ -28,6 +28,7 @@ class Paper(NamedTuple):
 PAPERS: dict[str, Paper] = {
     paper.key: paper
     for paper in (
+        Paper("deluca2007", deluca2007.TITLE, deluca2007.CASES),
         Paper("flacco2012", flacco2012.TITLE, flacco2012.CASES),
         Paper("menard2013", menard2013.TITLE, menard2013.CASES),
         Paper("trumic2022", trumic2022.TITLE, trumic2022.CASES),
