@@ -9,7 +9,7 @@ DEMO   ?= rotatum-demo
 BIN     := $(VENV)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt --editable
 
-.PHONY: help demo test test-all check bench docs clean
+.PHONY: help demo test test-all check static documented bench docs clean
 .DELETE_ON_ERROR:
 
 help:
@@ -30,14 +30,17 @@ test: $(VENV)/.test
 test-all: export ROTATUM_SLOW = 1
 test-all: test
 
-check: $(VENV)/.dev
+check: static documented
+
+static: $(VENV)/.dev
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python -m rotatum.export.subset
 	$(BIN)/python -m checks.house_rules
-	$(MAKE) --no-print-directory docs
+
+documented: docs
 	$(BIN)/python -m checks.docs_coverage docs/_build/html/objects.inv
 
 bench: $(VENV)/.test

@@ -31,7 +31,7 @@ STAGES = (
     "algebraic_estimated_2of2_window128_ud_shrunk_guarded",
     "weak_link_2of3_ud_shrunk_guarded",
     "both_weak_link_4of5_window128_ud_shrunk_guarded",
-    "rotatum_link_6of6_observer128_ud_shrunk_selective_guarded",
+    "rotatum_link_6of6_observer512_ud_shrunk_selective_guarded",
 )
 # Where in the log something is wrong.
 LOST, TWICE, SENT_BACK, MOVED = slice(1500, 1503), 2000, 2500, 3000

@@ -152,6 +152,7 @@ def _decoded(trace: dict[str, Any]) -> np.ndarray:
     return y if isinstance(y, list) else np.frombuffer(base64.b64decode(y["bdata"]), y["dtype"])
 
 
+@pytest.mark.slow
 def test_the_page_is_drawn_by_a_browser(chromium: str, tmp_path: Path) -> None:
     path = write_observation(found(), tmp_path / "state.html")
     done = subprocess.run(

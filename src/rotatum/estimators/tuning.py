@@ -35,7 +35,7 @@ from rotatum.models import Joint
 from rotatum.record import Records
 from rotatum.runtime.stage import Stage
 
-OBSERVED = 128  # samples an observer has room for at least: what it does not use costs nothing
+OBSERVED = 512  # samples an observer has room for at least: what it does not use costs nothing
 
 
 class Prepared(NamedTuple):
