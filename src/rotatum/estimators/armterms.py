@@ -154,7 +154,10 @@ class RotatumTerms:
         self.bank = Bank(stage, observer_params(stage, recursion, len(prepared)))
         self._u = stage.input.zeros(len(prepared))
         self._out = stage.output.zeros(len(prepared))
-        self._sample, self._observed = views(self._u), views(self._out)
+        sample, observed = views(self._u), views(self._out)
+        self._q, self._fresh = sample["y"][:, 0], sample["fresh"]
+        self._motion = tuple(observed["x"].T)
+        self._jerk, self._valid = observed["u"][:, 0], observed["valid"]
 
     def reset(self) -> None:
         """Forget what the links did."""
@@ -162,13 +165,12 @@ class RotatumTerms:
 
     def fill(self, to: Views, row: int, steps: Views, i: int, k: int) -> None:
         """Observe the links, and fill the rotatum where they are known."""
-        self._sample["y"][:, 0] = steps["q"][i, k]
-        self._sample["fresh"][:] = to["fresh"][row]
+        self._q[:] = steps["q"][i, k]
+        self._fresh[:] = to["fresh"][row]
         self.bank.update(self._u, self._out)
-        observed = self._observed
-        if observed["valid"][0]:
-            q, dq, ddq = observed["x"].T
-            rate = self.robot.inverse_dynamics_rate(q, dq, ddq, observed["u"][:, 0])
+        if self._valid[0]:
+            q, dq, ddq = self._motion
+            rate = self.robot.inverse_dynamics_rate(q, dq, ddq, self._jerk)
             to["acceleration"][row] = ddq
             np.negative(rate, out=to["rotatum"][row])
 

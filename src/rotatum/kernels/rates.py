@@ -80,30 +80,40 @@ def _begin(params: Any, state: Any) -> None:
 
 def _weigh(params: Any, state: Any, place: int, size: int) -> None:
     """Sum from the oldest to the newest, in two stretches of the ring."""
-    # An index that might be negative would be looked at twice at every term.
-    head = state.head
-    if head < 0:
-        head = 0
-    first = params.first
-    if first < 0:
-        first = 0
-    old = size - head
-    if old < 0:
-        old = 0
     for i in range(len(state.value)):
         state.value[i] = 0.0
     for n in range(len(state.x)):
         g = params.G[place, n]
         for i in range(len(state.value)):
             state.value[i] = state.value[i] + g * state.x[n, i]
-    for m in range(old):
-        w = params.K[place, first + m]
+    old = size - state.head
+    _stretch(params, state, place, params.first, state.head, old)
+    _stretch(params, state, place, params.first + old, 0, state.head)
+
+
+def _stretch(params: Any, state: Any, place: int, first: int, at: int, count: int) -> None:
+    """Add ``count`` rows of the ring from ``at`` on, four at a time: they need not wait."""
+    # An index that might be negative would be looked at twice at every term.
+    if first < 0:
+        first = 0
+    if at < 0:
+        at = 0
+    quads = int(count * 0.25)
+    for k in range(quads):
+        m = first + 4 * k
+        j = at + 4 * k
+        a = params.K[m, place]
+        b = params.K[m + 1, place]
+        c = params.K[m + 2, place]
+        d = params.K[m + 3, place]
         for i in range(len(state.value)):
-            state.value[i] = state.value[i] + w * state.ring[head + m, i]
-    for m in range(head):
-        w = params.K[place, first + old + m]
+            early = a * state.ring[j, i] + b * state.ring[j + 1, i]
+            late = c * state.ring[j + 2, i] + d * state.ring[j + 3, i]
+            state.value[i] = state.value[i] + (early + late)
+    for k in range(4 * quads, count):
+        w = params.K[first + k, place]
         for i in range(len(state.value)):
-            state.value[i] = state.value[i] + w * state.ring[m, i]
+            state.value[i] = state.value[i] + w * state.ring[at + k, i]
 
 
 def _advance(params: Any, state: Any, size: int) -> None:

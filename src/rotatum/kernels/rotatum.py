@@ -25,8 +25,7 @@ from rotatum.record import Record, integer, number, vector
 RATE = 1
 ACCELERATION = 2
 JERK = 3
-WHOLE = 4
-"""Places in what the observer estimates, and how many there are."""
+"""Places in what the observer estimates."""
 SINE = 0
 FIRST = 1
 """Places in the signals whose rates are wanted: sin q, then the terms of the spring."""
@@ -109,7 +108,7 @@ def _observe(params: Any, state: Any, u: Any, known: int) -> None:
     s.made = 0
     if u.fresh != 0 or known == 0:
         s.count = 0
-        unknown_input.restart(params.observer, state.link)
+        unknown_input.restart(state.link)
         rates.restart(state.rates)
     if known != 0:
         s.count = s.count + 1
@@ -117,7 +116,7 @@ def _observe(params: Any, state: Any, u: Any, known: int) -> None:
         if params.rotatum.arm == 0:
             s.raw[SINE] = math.sin(u.q)
             s.sample[0] = u.q
-            unknown_input.push(params.observer, state.link, s.sample, WHOLE)
+            unknown_input.push(params.observer, state.link, s.sample)
         else:
             # The arm has observed all its links: none is observed twice.
             state.link.estimate[ACCELERATION] = u.acceleration

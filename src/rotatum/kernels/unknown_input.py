@@ -20,9 +20,11 @@ class UnknownInputParams(Record):
     E = matrix("n", "n", "what the state does on its own", unit="unit of x", symbol="E")
     F = matrix("n", "c", "how the window drives the state", unit="unit of x / unit of y")
     G = matrix("o", "n", "estimates from the state", unit="unit of the estimate / unit of x")
-    K = matrix("o", "c", "estimates from the window", unit="unit of the estimate / unit of y")
+    K = matrix(
+        "c", "o", "estimates from the window, transposed", unit="unit of the estimate / unit of y"
+    )
     rest = matrix("n", "p", "state of outputs that stand still", unit="unit of x / unit of y")
-    first = integer("columns of F and K before it are room that this design does not use")
+    first = integer("columns of F and rows of K before it are room that this design does not use")
     driven = integer("columns of F from this one on are zero")
     settle = integer("steps from the first full window until the start is forgotten")
 
@@ -32,8 +34,9 @@ class UnknownInputState(Record):
 
     x = vector("n", "state of the recursion", unit="unit of x", symbol="X")
     ahead = vector("n", "scratch: the state of the next step", unit="unit of x")
-    Y = vector("c", "outputs, the oldest first, at the end", unit="unit of y", symbol="Y")
+    Y = vector("c", "ring of outputs", unit="unit of y", symbol="Y")
     estimate = vector("o", "the last estimates: states, then inputs", unit="unit of the estimate")
+    head = integer("where the next outputs go: the oldest are there, once the window is full")
     length = integer("numbers in the window since the (re)start")
     steps = integer("steps with a full window since then, settle at most")
     valid = integer("1: estimates were made of this sample")
@@ -61,12 +64,13 @@ def init(params: Any, state: Any) -> None:
     """Nothing seen yet."""
     for i in range(len(state.estimate)):
         state.estimate[i] = 0.0
-    restart(params, state)
+    restart(state)
 
 
-def restart(params: Any, state: Any) -> None:
+def restart(state: Any) -> None:
     """Forget: a window across what is not adjacent has no meaning. Estimates are held."""
-    state.length = params.first
+    state.head = 0
+    state.length = 0
     state.steps = 0
     state.valid = 0
     state.settled = 0
@@ -77,8 +81,8 @@ def idle(state: Any) -> None:
     state.valid = 0
 
 
-def push(params: Any, state: Any, y: Any, wanted: int) -> None:
-    """Take one set of outputs; make the first ``wanted`` of the estimates.
+def push(params: Any, state: Any, y: Any) -> None:
+    """Take one set of outputs; make the estimates of the window's delayed instant.
 
     With a full window ``Y = (y(k-w+1), ..., y(k))``: ``estimate = G x + K Y``, then
     ``x <- E x + F Y``. trumic2022 eq. 6 (Sundaram and Hadjicostis 2008) is of this form with
@@ -89,20 +93,20 @@ def push(params: Any, state: Any, y: Any, wanted: int) -> None:
     (where D = 0, as in eq. 8, the columns of J that multiply it are zero and nothing is lost).
     """
     p = len(y)
-    c = len(state.Y)
-    if state.length == c:
-        for i in range(params.first, c - p):
-            state.Y[i] = state.Y[i + p]
-        state.length = c - p
+    size = len(state.Y) - params.first
     for i in range(p):
-        state.Y[state.length + i] = y[i]
-    state.length = state.length + p
+        state.Y[state.head + i] = y[i]
+    state.head = state.head + p
+    if state.head >= size:
+        state.head = 0
+    if state.length < size:
+        state.length = state.length + p
     state.valid = 0
-    if state.length == c:
+    if state.length >= size:
         if state.steps == 0 and state.settled == 0:
             _begin(params, state)
-        _estimate(params, state, wanted)
-        _advance(params, state)
+        _estimate(params, state, size)
+        _advance(params, state, size)
         state.valid = 1
         state.settled = 0
         if state.steps >= params.settle:
@@ -116,43 +120,59 @@ def _begin(params: Any, state: Any) -> None:
     for i in range(len(state.x)):
         a = 0.0
         for j in range(len(params.rest[i])):
-            a = a + params.rest[i, j] * state.Y[params.first + j]
+            a = a + params.rest[i, j] * state.Y[state.head + j]
         state.x[i] = a
 
 
-def _estimate(params: Any, state: Any, wanted: int) -> None:
-    for i in range(wanted):
-        a = _weighed(params.K, state.Y, i, params.first)
-        for j in range(len(state.x)):
-            a = a + params.G[i, j] * state.x[j]
-        state.estimate[i] = a
+def _estimate(params: Any, state: Any, size: int) -> None:
+    """Sum from the oldest to the newest, in two stretches of the ring."""
+    for i in range(len(state.estimate)):
+        state.estimate[i] = 0.0
+    for n in range(len(state.x)):
+        for i in range(len(state.estimate)):
+            state.estimate[i] = state.estimate[i] + params.G[i, n] * state.x[n]
+    old = size - state.head
+    _weigh(params, state, params.first, state.head, old)
+    _weigh(params, state, params.first + old, 0, state.head)
 
 
-def _weighed(K: Any, Y: Any, i: int, first: int) -> float:
-    """Sum a row of K times the window, in four sums that do not wait for each other."""
-    a = 0.0
-    b = 0.0
-    c = 0.0
-    d = 0.0
-    quads = int((len(Y) - first) * 0.25)
+def _weigh(params: Any, state: Any, first: int, at: int, count: int) -> None:
+    """Add a stretch of the window, four outputs at a time: four do not wait for each other."""
+    # An index that might be negative would be looked at twice at every term.
+    if first < 0:
+        first = 0
+    if at < 0:
+        at = 0
+    quads = 0
+    # Compilers warn of rows beyond a smaller window, where this is never reached.
+    if len(state.Y) >= 4:
+        quads = int(count * 0.25)
     for k in range(quads):
-        j = first + 4 * k
-        a = a + K[i, j] * Y[j]
-        b = b + K[i, j + 1] * Y[j + 1]
-        c = c + K[i, j + 2] * Y[j + 2]
-        d = d + K[i, j + 3] * Y[j + 3]
-    for j in range(first + 4 * quads, len(Y)):
-        a = a + K[i, j] * Y[j]
-    return (a + b) + (c + d)
+        m = first + 4 * k
+        j = at + 4 * k
+        a = state.Y[j]
+        b = state.Y[j + 1]
+        c = state.Y[j + 2]
+        d = state.Y[j + 3]
+        for i in range(len(state.estimate)):
+            early = params.K[m, i] * a + params.K[m + 1, i] * b
+            late = params.K[m + 2, i] * c + params.K[m + 3, i] * d
+            state.estimate[i] = state.estimate[i] + (early + late)
+    for k in range(4 * quads, count):
+        for i in range(len(state.estimate)):
+            state.estimate[i] = state.estimate[i] + params.K[first + k, i] * state.Y[at + k]
 
 
-def _advance(params: Any, state: Any) -> None:
+def _advance(params: Any, state: Any, size: int) -> None:
     for i in range(len(state.x)):
         a = 0.0
         for j in range(len(state.x)):
             a = a + params.E[i, j] * state.x[j]
-        for j in range(params.first, params.driven):
-            a = a + params.F[i, j] * state.Y[j]
+        for m in range(params.driven - params.first):
+            at = state.head + m
+            if at >= size:
+                at = at - size
+            a = a + params.F[i, params.first + m] * state.Y[at]
         state.ahead[i] = a
     for i in range(len(state.x)):
         state.x[i] = state.ahead[i]
@@ -170,9 +190,9 @@ def step(params: Any, state: Any, u: Any, out: Any) -> None:
     out.status = 0
     if good == 1:
         if u.fresh != 0:
-            restart(params, state)
+            restart(state)
             out.status = RESTARTED
-        push(params, state, u.y, len(state.estimate))
+        push(params, state, u.y)
         if state.settled == 0:
             out.status = out.status | SETTLING
     else:

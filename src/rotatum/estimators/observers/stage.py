@@ -90,14 +90,14 @@ def fill_observer(record: Any, recursion: Recursion, name: str, share: float = S
     Raises:
         MethodError: the design does not fit.
     """
-    values = {"E": recursion.E, "F": recursion.F, "G": recursion.G, "K": recursion.K}
-    first = record["K"].shape[1] - recursion.K.shape[1]
-    for which, value in values.items():
-        room = first if which in "FK" else 0
-        if room < 0 or record[which].shape != (len(value), value.shape[1] + room):
+    first = record["F"].shape[1] - recursion.F.shape[1]
+    fields = {"E": record["E"], "F": record["F"], "G": record["G"], "K": record["K"].T}
+    for which, field in fields.items():
+        value, room = getattr(recursion, which), first if which in "FK" else 0
+        if room < 0 or field.shape != (len(value), value.shape[1] + room):
             raise MethodError(f"the design does not fit the stage {name}", where=which,
-                              value=value.shape, allowed=str(record[which].shape))  # fmt: skip
-        record[which][:, room:] = value
+                              value=value.shape, allowed=str(field.shape))  # fmt: skip
+        field[:, room:] = value
     record["rest"] = recursion.rest()
     driven = np.flatnonzero(np.any(recursion.F != 0.0, axis=0))
     record["first"] = first
