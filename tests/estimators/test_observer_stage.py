@@ -7,7 +7,7 @@ import pytest
 
 from rotatum.errors import MethodError
 from rotatum.estimators.full_state.drivetrain import drivetrain_of
-from rotatum.estimators.full_state.poles import Pair, coefficients
+from rotatum.estimators.full_state.poles import Pair
 from rotatum.estimators.full_state.stage import design_of, luenberger_params, luenberger_stage
 from rotatum.kernels.status import BRIDGED, GAP, NOT_FINITE, RESTARTED, SETTLING
 from rotatum.models import load_device
@@ -69,13 +69,6 @@ def test_params_that_do_not_fit_are_refused(axis):
         luenberger_params(stage, [axis], [design, design])
     with pytest.raises(MethodError, match="change"):
         luenberger_params(stage, [axis], [design], change=-0.1)
-
-
-def test_friction_at_rest_adds_a_quarter_to_the_damping_of_the_error(axis):
-    design = design_of(axis, T)
-    (record,) = luenberger_params(luenberger_stage(guard=False), [axis], [design])
-    slope = record["coulomb"] * record["inverse_inertia"] / record["width"]
-    assert slope == pytest.approx(0.25 * coefficients(design.pairs)[0], rel=1e-12)
 
 
 def swinging(stage, n=70):

@@ -113,8 +113,7 @@ def test_show_2_on_all_motions(name: str) -> None:
         own = found[SEEN]["axis1"]
         assert own.error <= 1e-4
         assert own.torsion <= 0.1
-        # kr15-like's short motion with the bias: 2.2 %, from rest against friction.
-        assert own.velocity <= (0.025 if (name, key) == ("kr15-like", "short") else 0.02)
+        assert own.velocity <= 0.02
         for joint in joints:
             own = found[SEEN][joint]
             assert own.rigid >= 5.0 * own.error
@@ -150,8 +149,9 @@ def test_show_4_where_the_mode_is_at_the_bandwidth(key: str, stiffness: float) -
     assert own.factor(OBSERVED) >= 3.0
     assert own.gain_of_truth <= 0.2
     assert own.factor(SOFTER) >= 3.0
-    # What is not good: what friction bears at rest is fed back, and the motors hunt within it.
-    assert 10.0 * own.restless[TRUE] < own.restless[OBSERVED] < 42.0
+    # What friction bears at rest, 42 N m at most, is not fed back as torsion: the motors come to
+    # rest, but for the noise of the accelerometer and what motors alone do too.
+    assert own.restless[OBSERVED] < 0.1 * 42.0
     smooth = tracked(Tracking("kr15-like", key, stiffness, friction=False, laws=(TRUE, OBSERVED)))
     assert smooth.factor(OBSERVED) >= 3.0
     # Without friction the observer is as good as the truth: noise and bias do hardly anything.

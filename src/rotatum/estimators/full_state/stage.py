@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from rotatum.errors import MethodError, check_names
 from rotatum.estimators.full_state.design import Design, forgotten
 from rotatum.estimators.full_state.drivetrain import drivetrain_of
+from rotatum.estimators.full_state.friction import friction_width
 from rotatum.estimators.full_state.poles import (
     DEFAULT,
     FREQUENCY,
     Pair,
     Pairs,
-    coefficients,
     discretise,
     injection,
 )
@@ -34,7 +34,6 @@ CHANNELS = ("theta", "torque", "acceleration", "rate", "coupling")
 
 _FASTEST = 0.3  # of pi / period: where a robot's clock is too slow for the default poles
 _SCALES = 1000.0  # softest and stiffest are that far from the design's stiffness
-_FRICTION_DAMPING = 0.25  # of a3: what Coulomb friction may add to the error's damping at rest
 
 
 def luenberger_stage(*, guard: bool = True) -> Stage:
@@ -187,9 +186,6 @@ def luenberger_params(
 def fill_luenberger(record: Any, design: Design, change: float = 0.0) -> None:
     """Fill ``LuenbergerParams``.
 
-    The width within which Coulomb friction is linear adds ``coulomb / (B width)`` to the damping of
-    the error at rest; it is chosen so that this is a quarter of a3.
-
     Args:
         record: to fill.
         design: an observer.
@@ -208,21 +204,12 @@ def fill_luenberger(record: Any, design: Design, change: float = 0.0) -> None:
     record["inverse_inertia"] = 1.0 / constants.inertia
     for name in ("damping", "motor_damping", "coulomb", "stiffness"):
         record[name] = getattr(constants, name)
-    record["width"] = width_of(design)
+    record["width"] = friction_width(design)
     record["softest"] = constants.stiffness / _SCALES
     record["stiffest"] = constants.stiffness * _SCALES
     record["change"] = change
     record["held"] = int(design.held)
     record["settle"] = forgotten(design)
-
-
-def width_of(design: Design) -> float:
-    """Motor speed within which Coulomb friction is linear [rad/s]; 1 where there is none."""
-    constants = design.drivetrain
-    if constants.coulomb == 0.0:
-        return 1.0
-    slope = _FRICTION_DAMPING * float(coefficients(design.pairs)[0])
-    return constants.coulomb / (constants.inertia * slope)
 
 
 def _fill_guard(record: Any, joint: Joint, period: float) -> None:
