@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rotatum.estimators.solvers import UD
-from rotatum.estimators.stiffness import LEVELS, pair_stage, stiffness_stage
+from rotatum.estimators.stiffness import LEVELS, stiffness_stage
+from rotatum.estimators.two_transmissions import pair_stage
 from rotatum.record import Records
 from rotatum.runtime.bank import Bank
 from tests.kernels.make import given_rows

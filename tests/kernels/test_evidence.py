@@ -9,7 +9,8 @@ import pytest
 from scipy import signal
 
 from rotatum.kernels import blocks
-from rotatum.kernels.evidence import DUE, MEAN, PROBES, PULL, SCALE, SHIFT
+from rotatum.kernels.evidence import DUE
+from rotatum.kernels.probes import MEAN, PROBES, PULL, SCALE, SHIFT
 from tests import naive
 from tests.kernels.rowbank import SHORTEST, RowBank
 

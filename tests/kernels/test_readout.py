@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from rotatum.kernels import evidence, readout
+from rotatum.kernels.probes import PROBES, verdict_bits
 from rotatum.kernels.status import (
     CONVERGING,
     DEFLECTION,
@@ -151,7 +152,7 @@ def test_negative_beyond_doubt_is_three_deviations():
 
 
 def probes(share, doubt, *, streak=0, wrong=0):
-    four = evidence.PROBES
+    four = PROBES
     return SimpleNamespace(
         share=[share] * four, doubt=[doubt] * four, streak=[streak] * four, wrong=wrong
     )
@@ -159,15 +160,15 @@ def probes(share, doubt, *, streak=0, wrong=0):
 
 PROBED = ("lag", "inertia", "offset", "drift", "velocity")
 ALL = sum(row.bit for row in TABLE if row.name in PROBED)
-SETTINGS = SimpleNamespace(bias=0.02, mute=[0] * evidence.PROBES)
+SETTINGS = SimpleNamespace(bias=0.02, mute=[0] * PROBES)
 
 
 def test_a_probe_must_speak_three_times_in_a_row():
     state = probes(0.05, 3.0)
     found = []
     for share in (0.05, 0.05, 0.01, 0.05, 0.05, 0.05):
-        state.share = [share] * evidence.PROBES
-        evidence.verdict_bits(SETTINGS, state, 0.0)
+        state.share = [share] * PROBES
+        verdict_bits(SETTINGS, state, 0.0)
         found.append(state.wrong)
     assert found == [0, 0, 0, 0, 0, ALL]
 
@@ -184,7 +185,7 @@ def test_a_probe_must_speak_three_times_in_a_row():
 )
 def test_a_probe_speaks_beyond_tolerance_interval_and_chance(share, doubt, relative, wrong):
     state = probes(share, doubt, streak=2)
-    evidence.verdict_bits(SETTINGS, state, relative)
+    verdict_bits(SETTINGS, state, relative)
     assert state.wrong == wrong
 
 
@@ -194,7 +195,7 @@ def test_a_probe_speaks_beyond_tolerance_interval_and_chance(share, doubt, relat
 )
 def test_a_probe_falls_silent_at_half(share, doubt, wrong):
     state = probes(share, doubt, wrong=ALL)
-    evidence.verdict_bits(SETTINGS, state, 0.0)
+    verdict_bits(SETTINGS, state, 0.0)
     assert state.wrong == wrong
 
 

@@ -8,7 +8,8 @@ from rotatum.estimators.guarded import guarded, linked
 from rotatum.estimators.rowstages import rows_stage
 from rotatum.estimators.shapes import Shape, roles, sample_layout, wires_of
 from rotatum.estimators.solvers import SOLVERS
-from rotatum.estimators.stiffness import pair_stage, stiffness_stage, together_stage
+from rotatum.estimators.stiffness import stiffness_stage
+from rotatum.estimators.two_transmissions import pair_stage, together_stage
 from rotatum.runtime.stage import Stage
 
 

@@ -247,14 +247,13 @@ class Estimator:
 
         Args:
             place: of the joint in the device.
+
+        Raises:
+            IndexError: there is no such joint.
         """
-        for group in self.groups:
-            for i, own in enumerate(group.places):
-                if own == place:
-                    inner = group.bank.state[i]["inner"]
-                    apart = group.prepared[i].apart
-                    return (inner["first"], inner["second"]) if apart else (inner,)
-        raise IndexError(place)
+        group, i = self._find(place)
+        inner = group.bank.state[i]["inner"]
+        return (inner["first"], inner["second"]) if group.prepared[i].apart else (inner,)
 
     def laws(self, place: int = 0) -> tuple[FittedLaw, ...]:
         """Return what is known now of each transmission of a joint, for any deflection.
@@ -263,21 +262,25 @@ class Estimator:
             place: of the joint in the device.
 
         Raises:
+            IndexError: there is no such joint.
             MethodError: its law depends on a set-point.
         """
+        group, i = self._find(place)
+        # fields of arrays, not of records: a loop asks at every sample
+        inner = group.bank.state["inner"]
+        parts = (inner["first"], inner["second"]) if group.prepared[i].apart else (inner,)
+        return fitted_laws(
+            group.prepared[i],
+            group.out["coefficients"][i].tolist(),
+            [x for part in parts for x in zeros_of(part["rows"][i : i + 1])],
+        )
+
+    def _find(self, place: int) -> tuple[Group, int]:
+        """Return a joint's group, and its place in it."""
         for group in self.groups:
             for i, own in enumerate(group.places):
                 if own == place:
-                    # fields of arrays, not of records: a loop asks at every sample
-                    inner = group.bank.state["inner"]
-                    parts = (
-                        (inner["first"], inner["second"]) if group.prepared[i].apart else (inner,)
-                    )
-                    return fitted_laws(
-                        group.prepared[i],
-                        group.out["coefficients"][i].tolist(),
-                        [x for part in parts for x in zeros_of(part["rows"][i : i + 1])],
-                    )
+                    return group, i
         raise IndexError(place)
 
     def reset(self) -> None:

@@ -9,7 +9,7 @@ from rotatum.estimators.columns import Power, first_shrunk, fit_scales, known_st
 from rotatum.estimators.noise import column_noise
 from rotatum.estimators.settings import Settings
 from rotatum.estimators.stiffness import LEVELS
-from rotatum.kernels.evidence import DRAG, PULL
+from rotatum.kernels.probes import DRAG, PULL
 from rotatum.models import Joint
 
 PRIOR = 1e8  # prior variance over row variance, normalised: 1e-8 of one row with a column of 1

@@ -6,7 +6,7 @@ import math
 from typing import Any, NamedTuple
 
 from rotatum.estimators.solvers import Solver
-from rotatum.kernels import blocks, evidence, readout, rows, shrink, udrls
+from rotatum.kernels import blocks, evidence, probes, readout, rows, shrink, udrls
 from rotatum.kernels.status import PRIOR
 from rotatum.record import Field
 from rotatum.runtime.compose import write_function
@@ -30,7 +30,7 @@ for i in range({columns}):
 state.evidence.unit[state.evidence.turn] = 1.0
 {renew}deviate(params, state, out)
 half = 1.96 * out.stiffness_std
-evidence_verdict_bits(
+probes_verdict_bits(
     params.evidence, state.evidence, half / (math.fabs(out.stiffness) + 1e-300)
 )"""
 
@@ -177,9 +177,11 @@ def _kernels(rows_stage: Stage, solver: Solver) -> dict[str, Any]:
         found[f"solver_{name}"] = getattr(solver, name)
     for name in ("clear", "count", "close"):
         found[f"blocks_{name}"] = getattr(blocks, name)
-    judging = ("noise_level", "judge", "coefficient", "anchoring", "verdict_bits", "negative")
-    for name in ("init", "add", "cut", "fold", "due", *judging):
+    judging = ("noise_level", "judge", "coefficient", "anchoring", "negative")
+    for name in ("init", "add", "cut", "due", *judging):
         found[f"evidence_{name}"] = getattr(evidence, name)
+    for name in ("fold", "verdict_bits"):
+        found[f"probes_{name}"] = getattr(probes, name)
     for name in ("init", "read", "deviations", "status_of", "decide"):
         found[f"readout_{name}"] = getattr(readout, name)
     for name in ("init", "apply", "weigh", "spread", "multiply"):

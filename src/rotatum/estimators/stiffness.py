@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from rotatum.estimators.gating import Gating, gating
-from rotatum.estimators.part import PLAIN, SHRUNK, Part, part_of
+from rotatum.estimators.gating import gating
+from rotatum.estimators.part import Part, part_of
 from rotatum.estimators.solvers import Solver
-from rotatum.kernels import blocks, both, evidence, pair, readout
-from rotatum.record import Field, Layout, number, vector
+from rotatum.kernels import blocks, readout
+from rotatum.kernels.probes import PROBES
+from rotatum.record import Field, Layout
 from rotatum.runtime.compose import write_function
 from rotatum.runtime.stage import Stage
 
@@ -21,57 +20,11 @@ SERIES_STEP = """rows_step(params.rows, state.rows, u, state.row)
 if state.row.valid != 0:
     learn(params, state, state.sums, 0, {columns})
     if blocks_count(params.sums, state.sums) != 0:
-        evidence_fold(params.evidence, state.evidence, state.sums, {columns})
+        probes_fold(params.evidence, state.evidence, state.sums, {columns})
         blocks_close(params.sums, state.sums)
         if evidence_due(state.evidence, state.sums) != 0:
             assess(params, state, state.sums, 0, {columns}, {reading})
 {tell}(params, state, u.time, 1, out)"""
-
-PAIR_STEP = """rows_step(params.first.rows, state.first.rows, u.first, state.first.row)
-rows_step(params.second.rows, state.second.rows, u.second, state.second.row)
-{gate}pair_together(state.first.row, state.second.row)
-if state.first.row.fresh != 0:
-    blocks_clear(state.sums)
-    evidence_cut(state.first.evidence)
-    evidence_cut(state.second.evidence)
-if state.first.row.valid != 0:
-    learn(params.first, state.first, state.sums, 0, {v})
-    learn(params.second, state.second, state.sums, {columns}, {v} + {probes})
-    if blocks_count(params.sums, state.sums) != 0:
-        evidence_fold(params.first.evidence, state.first.evidence, state.sums, {v})
-        evidence_fold(
-            params.second.evidence, state.second.evidence, state.sums, {v} + {probes}
-        )
-        blocks_close(params.sums, state.sums)
-        if evidence_due(state.first.evidence, state.sums) != 0:
-            state.second.evidence.evaluated = state.first.evidence.evaluated
-            assess(params.first, state.first, state.sums, 0, {v}, state.first.reading)
-            assess(
-                params.second, state.second, state.sums, {columns}, {v} + {probes},
-                state.second.reading
-            )
-            pair_relate(state.pair, state.sums, state.first.evidence, state.second.evidence)
-tell_pair(params, state, u.time, 1, out)"""
-TELL_PAIR = """tell(params.first, state.first, time, counted, state.first.reading)
-tell(params.second, state.second, time, counted, state.second.reading)
-pair_read(state.pair, state.first, state.second, out)
-pair_tell(
-    params.readout, state.readout, state.pair, state.first, state.second, time, counted, out
-)
-out.time = time"""
-
-
-TELL_BOTH = """tell(params, state, time, counted, state.reading)
-both_read(state.reading, state.row, out)
-for i in range(2):
-    both_mask(state.row, {terms}, i, state.mask)
-    part_spread = {spread}state.mask, {first})
-    both_part(
-        params.readout, state.evidence, state.reading, state.row, part_spread, {bias2}, {terms},
-        i, out
-    )
-both_relate(params.readout, out)
-out.time = time"""
 
 
 def stiffness_stage(
@@ -98,17 +51,17 @@ def stiffness_stage(
     part = part_of(rows_stage, solver, terms, columns, shrunk)
     chosen = gating(selective, part)
     name = f"{part.name}{chosen.ending}"
-    params = {**part.params, "sums": _sums_params(), **chosen.params}
-    state = {**part.state, "sums": _sums_state(columns, 1), **chosen.state}
+    params = {**part.params, "sums": sums_params(), **chosen.params}
+    state = {**part.state, "sums": sums_state(columns, 1), **chosen.state}
     init = (*(line.replace("{0}", "") for line in part.init), *chosen.init)
     hold = "tell(params, state, 0.0, 0, out)"
     step = SERIES_STEP.format(columns=columns, reading="out", tell="tell", gate=chosen.step)
     output = readout.Reading.layout(p=columns)
-    return _stage(
+    return assembled(
         part,
         name,
-        Layout(f"{name}_params", _doc(part), params),
-        Layout(f"{name}_state", _doc(part), state),
+        Layout(f"{name}_params", doc_of(part), params),
+        Layout(f"{name}_state", doc_of(part), state),
         rows_stage.input,
         output,
         init,
@@ -117,156 +70,28 @@ def stiffness_stage(
     )
 
 
-def pair_stage(
-    rows_stage: Stage,
-    solver: Solver,
-    *,
-    terms: int,
-    columns: int,
-    shrunk: bool = False,
-    selective: bool = False,
-) -> Stage:
-    """Compose two transmissions of one link into one stage whose output is ``PairReading``.
-
-    Each transmission has its own rows and solver (flacco2012 section 3.2); residuals' blocks are
-    shared, because what the two errors have in common decides the deviation of their sum.
-
-    Args:
-        rows_stage, solver, terms, columns, shrunk: as in ``stiffness_stage``, of each transmission.
-        selective: as there, of both.
-    """
-    part = part_of(rows_stage, solver, terms, columns, shrunk)
-    chosen = gating(selective, part, ".first")
-    name, v = f"pair_{part.name}{chosen.ending}", 2 * columns
-    params, state = _pair_records(part, name, columns, chosen)
-    sample = Layout(
-        "pair_sample",
-        "One sample of both transmissions.",
-        {
-            "time": number("of the sample", unit="s", symbol="t"),
-            "first": Field(rows_stage.input),
-            "second": Field(rows_stage.input),
-        },
-    )
-    init = tuple(
-        line.replace("{0}", which) for which in (".first", ".second") for line in part.init
-    )
-    init += ("readout_init(params.readout, state.readout)", *chosen.init)
-    step = PAIR_STEP.format(columns=columns, v=v, probes=evidence.PROBES, gate=chosen.step)
-    output = pair.PairReading.layout(v=v)
-    kernels = part.kernels
-    for kernel in ("together", "relate", "read", "tell"):
-        kernels[f"pair_{kernel}"] = getattr(pair, kernel)
-    kernels["tell_pair"] = write_function(
-        "tell_pair(params, state, time, counted, out)",
-        name,
-        _doc(part),
-        TELL_PAIR.splitlines(),
-        kernels,
-    )
-    hold = "tell_pair(params, state, 0.0, 0, out)"
-    return _stage(part, name, params, state, sample, output, init, step, hold)
-
-
-def together_stage(
-    rows_stage: Stage,
-    solver: Solver,
-    *,
-    terms: int,
-    columns: int,
-    shrunk: bool = False,
-    selective: bool = False,
-) -> Stage:
-    """Compose two transmissions that share their rows into a stage whose output is ``PairReading``.
-
-    Seen from the link only the sum of both torques shows; each is told apart by its deflection.
-
-    Args:
-        rows_stage, solver, columns, shrunk, selective: as in ``stiffness_stage``.
-        terms: of both bases, in turns, agonist first.
-    """
-    part = part_of(rows_stage, solver, terms, columns, shrunk)
-    chosen = gating(selective, part)
-    name = f"both_{part.name}{chosen.ending}"
-    words: dict[str, Any] = {"terms": terms, "first": columns - terms}
-    words |= SHRUNK if shrunk else PLAIN
-    own = {**part.params, "sums": _sums_params(), **chosen.params}
-    params = Layout(f"{name}_params", _doc(part), own)
-    state = Layout(
-        f"{name}_state",
-        _doc(part),
-        {
-            **part.state,
-            "sums": _sums_state(columns, 1),
-            "reading": Field(readout.Reading.layout(p=columns)),
-            "mask": vector(columns, "scratch: the read-out of one transmission"),
-            **chosen.state,
-        },
-    )
-    init = (*(line.replace("{0}", "") for line in part.init), *chosen.init)
-    for kernel in ("read", "mask", "part", "relate"):
-        part.kernels[f"both_{kernel}"] = getattr(both, kernel)
-    part.kernels["tell_both"] = write_function(
-        "tell_both(params, state, time, counted, out)",
-        name,
-        _doc(part),
-        TELL_BOTH.format(**words).splitlines(),
-        part.kernels,
-    )
-    output = pair.PairReading.layout(v=2 * columns - terms)
-    hold = "tell_both(params, state, 0.0, 0, out)"
-    step = SERIES_STEP.format(
-        columns=columns, reading="state.reading", tell="tell_both", gate=chosen.step
-    )
-    return _stage(part, name, params, state, rows_stage.input, output, init, step, hold)
-
-
-def _pair_records(part: Part, name: str, columns: int, chosen: Gating) -> tuple[Layout, Layout]:
-    """Parameters and state of a pair: both transmissions, and what they share."""
-    one = Layout(f"{part.name}_part_params", _doc(part), part.params)
-    reading = Field(readout.Reading.layout(p=columns))
-    memory = {**part.state, "reading": reading}
-    mine = Layout(f"{part.name}_part_state", _doc(part), memory)
-    params = Layout(
-        f"{name}_params",
-        _doc(part),
-        {
-            "first": Field(one),
-            "second": Field(one),
-            "sums": _sums_params(),
-            "readout": Field(readout.ReadoutParams.layout()),
-            **chosen.params,
-        },
-    )
-    state = Layout(
-        f"{name}_state",
-        _doc(part),
-        {
-            "first": Field(mine),
-            "second": Field(mine),
-            "sums": _sums_state(columns, 2),
-            "pair": Field(pair.PairState.layout()),
-            "readout": Field(readout.ReadoutState.layout()),
-            **chosen.state,
-        },
-    )
-    return params, state
-
-
-def _doc(part: Part) -> str:
+def doc_of(part: Part) -> str:
+    """Return what a stage made of a part is."""
     return f"Stiffness by {part.name.replace('_', ' ')}."
 
 
-def _sums_params() -> Field:
+def sums_params() -> Field:
+    """Return the params of the residuals' block sums."""
     return Field(blocks.BlockParams.layout(L=LEVELS))
 
 
-def _sums_state(columns: int, parts: int) -> Field:
-    v, probes = parts * columns, parts * evidence.PROBES
-    return Field(blocks.BlockState.layout(L=LEVELS, v=v, t=v + probes, s=v * (v + 1) // 2 + probes))
+def sums_state(columns: int, parts: int) -> Field:
+    """Return the block sums of scores and probes.
+
+    Args:
+        columns: regressors of a transmission.
+        parts: transmissions with a solver of their own.
+    """
+    v, t = parts * columns, parts * PROBES
+    return Field(blocks.BlockState.layout(L=LEVELS, v=v, t=v + t, s=v * (v + 1) // 2 + t))
 
 
-def _stage(
+def assembled(
     part: Part,
     name: str,
     params: Layout,
@@ -277,7 +102,8 @@ def _stage(
     step: str,
     hold: str,
 ) -> Stage:
-    doc, kernels = _doc(part), part.kernels
+    """Return the stage whose functions are written from these lines and the part's kernels."""
+    doc, kernels = doc_of(part), part.kernels
     return Stage(
         name,
         params,
