@@ -7,7 +7,7 @@ import pytest
 
 from rotatum.estimators import Estimator
 from rotatum.estimators.columns import first_shrunk
-from rotatum.estimators.readings import batch_records
+from rotatum.estimators.groups import batch_records
 from rotatum.evaluation import msrep_percent
 from rotatum.logs import Log
 from rotatum.models import Device, load_device

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import rotatum as rt
-from rotatum.estimators.readings import batch_records
+from rotatum.estimators.groups import batch_records
 from rotatum.evaluation import JointEstimate, msrep_percent
 from rotatum.evaluation.papers.flacco2012 import awas
 from rotatum.kernels.status import PRIOR, VERDICTS

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rotatum.estimators import Estimator
-from rotatum.estimators.readings import batch_records
+from rotatum.estimators.groups import batch_records
 from rotatum.export import build_shared, export_c
 from rotatum.export.vector import HEAD
 from rotatum.kernels.status import (

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rotatum.errors import MethodError
 from rotatum.estimators.columns import setpoint_scale
 from rotatum.estimators.estimator import Estimator
-from rotatum.estimators.readings import Group, batch_records
+from rotatum.estimators.groups import Group, batch_records
 from rotatum.evaluation.inputs import log_names, mean_zeros
 from rotatum.logs import Log, LogReader
 from rotatum.models import Device, Joint

@@ -11,16 +11,16 @@ from numpy.typing import ArrayLike, NDArray
 from rotatum.errors import MethodError
 from rotatum.estimators.armfront import ArmFront
 from rotatum.estimators.fitted_law import FittedLaw, fitted_laws, zeros_of
+from rotatum.estimators.groups import Group, run_alone, run_arm
 from rotatum.estimators.measured import Measured
 from rotatum.estimators.preparing import prepare_all
-from rotatum.estimators.readings import Group, Readings, batch_records
+from rotatum.estimators.readings import Readings
 from rotatum.estimators.settings import Request
 from rotatum.models import Device
 from rotatum.record import Records
 
 Array = NDArray[np.float64]
 ALL = slice(None)
-ARM_BATCH = 4096  # samples of an arm at once: with room for bridged ones they are large
 
 
 class Estimator:
@@ -218,29 +218,8 @@ class Estimator:
         """
         self._samples += len(time)
         if self._arm is not None:
-            return self._run_arm(self._arm, time, channels)
-        found = []
-        for group in self.groups:
-            u = batch_records(group, len(time))
-            u["time"] = time[:, None]
-            for i, place in enumerate(group.places):
-                for role in group.roles:
-                    u[role][:, i] = channels[place][role]
-            found.append(group.bank.run(u))
-        return found
-
-    def _run_arm(
-        self, arm: ArmFront, time: Array, channels: Sequence[Mapping[str, Array]]
-    ) -> list[Records]:
-        pieces: list[list[Records]] = [[] for _ in self.groups]
-        for first in range(0, len(time), ARM_BATCH):
-            part = slice(first, first + ARM_BATCH)
-            own = [{role: x[part] for role, x in logged.items()} for logged in channels]
-            u, last = arm.expand(arm.batch(time[part], own), self.groups[0].bank.stage.input)
-            for group, kept in zip(self.groups, pieces, strict=True):
-                out = group.bank.run(np.ascontiguousarray(u[:, group.places]))
-                kept.append(out[last])
-        return [np.concatenate(kept) for kept in pieces]
+            return run_arm(self.groups, self._arm, time, channels)
+        return [run_alone(group, time, channels) for group in self.groups]
 
     def part_states(self, place: int) -> tuple[Any, ...]:
         """Return the state records of the parts of a joint, as its ``prepared.parts``.

@@ -1,4 +1,4 @@
-"""Joints that share a bank, and what one update of all of them returns."""
+"""What one update of all joints returns."""
 
 from __future__ import annotations
 
@@ -8,29 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rotatum.estimators.shapes import roles
-from rotatum.estimators.tuning import Prepared
+from rotatum.estimators.groups import Group
 from rotatum.kernels.status import VERDICTS
-from rotatum.record import Records
-from rotatum.runtime.bank import Bank
-
-
-class Group:
-    """Joints that share a stage: their bank, their places in the device, their input and output.
-
-    ``roles`` are the channels of the log its input is made of.
-    """
-
-    def __init__(self, prepared: Sequence[Prepared], places: Sequence[int]) -> None:
-        self.prepared = tuple(prepared)
-        self.places = np.array(places)
-        stage = prepared[0].stage
-        self.bank = Bank(stage, np.concatenate([p.params for p in prepared]))
-        self.u = stage.input.zeros(len(prepared))
-        self.u["enable"] = 1
-        self.out = stage.output.zeros(len(prepared))
-        shape = prepared[0].shape
-        self.roles = roles(shape.actuation, shape.torque, shape.side)
 
 
 class Readings:
@@ -82,10 +61,3 @@ class Readings:
     def verdict(self) -> tuple[str, ...]:
         """One of ``starved``, ``converging``, ``informative``, ``inconsistent`` per joint."""
         return tuple(VERDICTS[int(v)] for v in self["verdict"])
-
-
-def batch_records(group: Group, samples: int) -> Records:
-    """Input records for a batch of ``samples`` of a group, ``enable`` set."""
-    u = group.bank.stage.input.zeros(samples, len(group.prepared))
-    u["enable"] = 1
-    return u
