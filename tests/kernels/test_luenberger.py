@@ -215,8 +215,14 @@ def test_friction_that_reverses_is_compensated_but_for_the_moment_of_it():
         errors.append([told.push(**given) - x, untold.push(**given) - x, [x[2]] * 4])
 
     tau = 20.0 * np.sin(20.0 * T * np.arange(900))
-    law = lambda v: friction * max(-1.0, min(1.0, v / width))  # noqa: E731
-    driven(design, tau, 0.8, lambda phi: stiffness * phi, law, see)
+    driven(
+        design,
+        tau,
+        0.8,
+        lambda phi: stiffness * phi,
+        lambda v: friction * max(-1.0, min(1.0, v / width)),
+        see,
+    )
     q, missed, speed = np.abs(np.array(errors)[300:, :, 1]).T
     assert speed.min() < width < speed.max()  # it does reverse
     # Friction is that of a sample ago: wrong by twice itself at most, for one sample of the some

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from rotatum.control import ElasticArm, RestToRest, desired_motion, full_state_feedback
+from rotatum.estimators.full_state import friction
 from rotatum.estimators.full_state.observer import StateObserver
 from rotatum.evaluation.loop import closed_loop, without_friction
 from rotatum.evaluation.papers.deluca2007.arms import BIAS, PERIOD, arm, calibrated, joint_counts
@@ -156,6 +157,13 @@ def test_show_4_where_the_mode_is_at_the_bandwidth(key: str, stiffness: float) -
     assert smooth.factor(OBSERVED) >= 3.0
     # Without friction the observer is as good as the truth: noise and bias do hardly anything.
     assert abs(smooth.gain_of_truth) <= 0.05
+
+
+@pytest.mark.slow
+def test_with_friction_half_as_steep_the_motors_do_not_rest(monkeypatch) -> None:
+    monkeypatch.setattr(friction, "_DAMPING", 0.25)
+    own = tracked(Tracking("kr15-like", "short", laws=(OBSERVED,)))
+    assert 20.0 < own.restless[OBSERVED] < 42.0  # 30 N m, of what friction bears
 
 
 @pytest.mark.slow

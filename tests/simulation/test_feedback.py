@@ -16,7 +16,7 @@ from rotatum.simulation.drivers.commands import co_contraction, position_drives
 from rotatum.simulation.drivers.compensation import GravityCompensation, Pendulums, gravity_of
 from rotatum.simulation.drivers.control import Gains, PositionControl
 from rotatum.simulation.drivers.feedback import Seen
-from rotatum.simulation.drivers.limits import LimitedFeedback, torque_limit
+from rotatum.simulation.drivers.limits import LimitedFeedback
 from rotatum.simulation.drivers.paths import Ramps, hold
 from tests.simulation.joints import AWAS, VSA, joint_of, series_joint
 
@@ -210,7 +210,7 @@ def test_feedback_gives_no_more_than_its_motor_can():
     motor = {"inertia": 4e-5, "gear_ratio": -80.0, "torque_limit": 0.5}
     joint = series_joint(motor=motor)
     (law,) = position_drives(joint, hold(1.0), bandwidth=30.0).values()
-    limited = LimitedFeedback(law, torque_limit(joint.motors[0]), "arm, tau")
+    limited = LimitedFeedback(law, joint.motors[0].reflected_torque_limit, "arm, tau")
     near, far = (seen(theta=[[x]], names=(joint.name,)) for x in (0.9, -5.0))
     assert limited.torque(near) == law.torque(near)
     assert limited.torque(far) == 40.0

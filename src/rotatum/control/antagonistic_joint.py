@@ -117,10 +117,7 @@ class AntagonisticJoint:
             gravity_torque=link.gravity_torque,
             motors=(first, second),
             motor_damping=(a.reflected_damping.value, b.reflected_damping.value),
-            limits=tuple(
-                math.inf if m.torque_limit is None else m.torque_limit * abs(m.gear_ratio)
-                for m in (a, b)
-            ),  # type: ignore[arg-type]
+            limits=(a.reflected_torque_limit, b.reflected_torque_limit),
         )
 
     def held(self, period: float) -> AntagonisticJoint:

@@ -66,9 +66,6 @@ class ElasticArm:
             _check(joint)
         motors = [joint.motors[0] for joint in device.joints]
         links = [joint.link for joint in device.joints]
-        limits = [
-            np.inf if m.torque_limit is None else m.torque_limit * abs(m.gear_ratio) for m in motors
-        ]
         n = len(motors)
         return cls(
             names=tuple(joint.name for joint in device.joints),
@@ -79,7 +76,7 @@ class ElasticArm:
             springs=tuple(joint.transmission for joint in device.joints),
             link_viscous=np.array([0.0 if x is None else x.damping.value for x in links]),
             coupling=np.zeros((n, n)) if device.robot is None else device.robot.coupling_matrix,
-            limits=np.array(limits),
+            limits=np.array([m.reflected_torque_limit for m in motors]),
         )
 
     @property

@@ -231,8 +231,7 @@ class Estimator:
             IndexError: there is no such joint.
         """
         group, i = self._find(place)
-        inner = group.bank.state[i]["inner"]
-        return (inner["first"], inner["second"]) if group.prepared[i].apart else (inner,)
+        return _parts(group.bank.state[i]["inner"], group.prepared[i].apart)
 
     def laws(self, place: int = 0) -> tuple[FittedLaw, ...]:
         """Return what is known now of each transmission of a joint, for any deflection.
@@ -246,8 +245,7 @@ class Estimator:
         """
         group, i = self._find(place)
         # fields of arrays, not of records: a loop asks at every sample
-        inner = group.bank.state["inner"]
-        parts = (inner["first"], inner["second"]) if group.prepared[i].apart else (inner,)
+        parts = _parts(group.bank.state["inner"], group.prepared[i].apart)
         return fitted_laws(
             group.prepared[i],
             group.out["coefficients"][i].tolist(),
@@ -273,3 +271,8 @@ class Estimator:
     def __repr__(self) -> str:
         methods = ", ".join(f"{p.joint.name}: {p.settings.method}" for p in self.prepared)
         return f"Estimator({self.device.name}, {self.period:g} s, {methods})"
+
+
+def _parts(inner: Any, apart: bool) -> tuple[Any, ...]:
+    """Records of each transmission that has its own solver."""
+    return (inner["first"], inner["second"]) if apart else (inner,)

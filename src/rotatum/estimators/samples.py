@@ -36,7 +36,7 @@ def fill_guard(
             record["wrap"][i] = wrap or 0.0
         motor = joint.motor_of(role) if role.startswith("tau") else None
         if motor is not None and motor.torque_limit is not None:
-            record["limit"][i] = motor.torque_limit * abs(motor.gear_ratio)
+            record["limit"][i] = motor.reflected_torque_limit
     notes["guard"] = (
         f"up to {MISSING} missing samples are bridged; an angle moving by more than {jump:.3g} rad "
         "in a sample is a jump"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
@@ -33,6 +33,18 @@ def measured_signals(
 def pieces(log: Log | LogReader) -> Iterable[Log]:
     """Return the pieces of a log: the whole of one, or as they are read."""
     return (log,) if isinstance(log, Log) else log
+
+
+def batches(log: Log | LogReader, samples: int) -> Iterator[tuple[Log, slice]]:
+    """Go through a log: its pieces, each with one after the other of its stretches.
+
+    Args:
+        log: whole, or to be read.
+        samples: of a stretch, at most.
+    """
+    for piece in pieces(log):
+        for first in range(0, piece.samples, samples):
+            yield piece, slice(first, min(first + samples, piece.samples))
 
 
 def log_roles(log: Log | LogReader) -> dict[str, tuple[str, ...]]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from rotatum.errors import LogError, MethodError
 from rotatum.estimators.full_state.observer import StateObserver
 from rotatum.estimators.full_state.poles import DAMPING, Pair
-from rotatum.evaluation.inputs import log_names, log_roles, pieces
+from rotatum.evaluation.inputs import batches, log_names, log_roles
 from rotatum.evaluation.observation import Observation
 from rotatum.evaluation.observed import Observed
 from rotatum.kernels.status import TABLE
@@ -99,24 +99,22 @@ def _run(
     spent, done = 0.0, 0
     with ExitStack() as stack:
         table = stack.enter_context(TableWriter(output)) if output is not None else None
-        for piece in pieces(log):
-            for first in range(0, piece.samples, BATCH):
-                part = slice(first, min(first + BATCH, piece.samples))
-                begin = clock.perf_counter()
-                states = loop.run(piece.time[part], *_inputs(piece, loop, names, part))
-                spent += clock.perf_counter() - begin
-                columns: dict[str, NDArray[Any]] = {"time": piece.time[part]}
-                for i, (joint, own) in enumerate(kept.items()):
-                    logged = piece.joints[names[joint]]
-                    found = own.add(
-                        piece.time[part], states[:, i], {k: v[part] for k, v in logged.items()}
-                    )
-                    columns |= {f"{joint}.{key}": values for key, values in found.items()}
-                if table is not None:
-                    table.write(columns)
-                done += part.stop - part.start
-                if progress is not None:
-                    progress(done, log.samples)
+        for piece, part in batches(log, BATCH):
+            begin = clock.perf_counter()
+            states = loop.run(piece.time[part], *_inputs(piece, loop, names, part))
+            spent += clock.perf_counter() - begin
+            columns: dict[str, NDArray[Any]] = {"time": piece.time[part]}
+            for i, (joint, own) in enumerate(kept.items()):
+                logged = piece.joints[names[joint]]
+                found = own.add(
+                    piece.time[part], states[:, i], {k: v[part] for k, v in logged.items()}
+                )
+                columns |= {f"{joint}.{key}": values for key, values in found.items()}
+            if table is not None:
+                table.write(columns)
+            done += part.stop - part.start
+            if progress is not None:
+                progress(done, log.samples)
         for own in kept.values():
             # Before the table appears: of a log that cannot be used there is none.
             _begin(log, loop, own)

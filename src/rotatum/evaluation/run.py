@@ -18,11 +18,11 @@ from rotatum.evaluation.confounded import confounded
 from rotatum.evaluation.estimate import Estimate, JointEstimate
 from rotatum.evaluation.explain import reason, sample_warnings, skew_warning, zero_warning
 from rotatum.evaluation.inputs import (
+    batches,
     check_channels,
     log_names,
     mean_zeros,
     measured_signals,
-    pieces,
 )
 from rotatum.evaluation.parts import final_external, part_estimates
 from rotatum.evaluation.summary import Summary
@@ -100,7 +100,6 @@ def estimate(
     """
     device = device.only(joints)
     names = log_names(log, device)
-    columns = None if fit is None else tuple(fit)
     request = Request(
         method=method,
         side=side,
@@ -109,16 +108,13 @@ def estimate(
         window=window,
         order=order,
         stride=stride,
-        fit=columns,
+        fit=None if fit is None else tuple(fit),
         forgetting=forgetting,
         solver=solver,
         shrinkage=shrinkage,
         selective=selective,
     )
-    measured = measured_signals(log, device, names)
     check_channels(log, device, request, names)
-    zeros = mean_zeros(log, device, names)
-    holds = {j.name: log.holds.get(names[j.name], {}) for j in device.joints}
     loop = Estimator(
         device,
         period=log.period,
@@ -134,13 +130,12 @@ def estimate(
         solver=solver,
         shrinkage=shrinkage,
         selective=selective,
-        measured=measured,
-        holds=holds,
-        zeros=zeros,
+        measured=measured_signals(log, device, names),
+        holds={j.name: log.holds.get(names[j.name], {}) for j in device.joints},
+        zeros=mean_zeros(log, device, names),
     )
-    expected = log.samples
     summaries = {j.name: Summary(start, len(device.joints)) for j in device.joints}
-    seconds = _run(log, loop, names, summaries, output, progress, expected)
+    seconds = _run(log, loop, names, summaries, output, progress)
     return _collect(log, loop, summaries, seconds)
 
 
@@ -151,35 +146,32 @@ def _run(
     summaries: Mapping[str, Summary],
     output: str | Path | None,
     progress: Progress | None,
-    expected: int | None,
 ) -> float:
     spent, done = 0.0, 0
     with ExitStack() as stack:
         table = stack.enter_context(TableWriter(output)) if output is not None else None
         batch = max(1, BATCH // len(loop.prepared))
-        for piece in pieces(log):
-            for first in range(0, piece.samples, batch):
-                part = slice(first, min(first + batch, piece.samples))
-                columns: dict[str, NDArray[Any]] = {"time": piece.time[part]}
-                channels = _channels(piece, loop, names, part)
-                begin = clock.perf_counter()
-                outputs = loop.run(piece.time[part], channels)
-                spent += clock.perf_counter() - begin
-                for group, out in zip(loop.groups, outputs, strict=True):
-                    for i, prepared in enumerate(group.prepared):
-                        joint = prepared.joint
-                        logged = piece.joints[names[joint.name]]
-                        extra = {r: logged[r][part] for r in EXTRA if r in logged}
-                        summaries[joint.name].add(out[:, i], extra)
-                        if table is not None:
-                            columns |= reading_columns(
-                                joint, prepared.settings.torque, out[:, i], extra["q"]
-                            )
-                if table is not None:
-                    table.write(columns)
-                done += part.stop - part.start
-                if progress is not None:
-                    progress(done, expected)
+        for piece, part in batches(log, batch):
+            columns: dict[str, NDArray[Any]] = {"time": piece.time[part]}
+            channels = _channels(piece, loop, names, part)
+            begin = clock.perf_counter()
+            outputs = loop.run(piece.time[part], channels)
+            spent += clock.perf_counter() - begin
+            for group, out in zip(loop.groups, outputs, strict=True):
+                for i, prepared in enumerate(group.prepared):
+                    joint = prepared.joint
+                    logged = piece.joints[names[joint.name]]
+                    extra = {r: logged[r][part] for r in EXTRA if r in logged}
+                    summaries[joint.name].add(out[:, i], extra)
+                    if table is not None:
+                        columns |= reading_columns(
+                            joint, prepared.settings.torque, out[:, i], extra["q"]
+                        )
+            if table is not None:
+                table.write(columns)
+            done += part.stop - part.start
+            if progress is not None:
+                progress(done, log.samples)
     return spent
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi
+from math import inf, pi
 from typing import Annotated, Literal, Self, overload
 
 import numpy as np
@@ -51,6 +51,11 @@ class Motor(Table):
     def reflected_coulomb(self) -> Uncertain:
         """Coulomb friction at the joint, c |n| [N m]."""
         return self.coulomb.scaled(abs(self.gear_ratio))
+
+    @property
+    def reflected_torque_limit(self) -> float:
+        """The most it gives at the joint [N m]; infinite where nothing is said."""
+        return inf if self.torque_limit is None else self.torque_limit * abs(self.gear_ratio)
 
 
 class Setpoint(Table):

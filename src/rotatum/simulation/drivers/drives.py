@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rotatum.errors import RotatumError, check_names
 from rotatum.simulation.drivers.control import PositionControl
 from rotatum.simulation.drivers.feedback import Feedback
-from rotatum.simulation.drivers.limits import LimitedFeedback, limited, torque_limit
+from rotatum.simulation.drivers.limits import LimitedFeedback, limited
 from rotatum.simulation.drivers.waves import Drive
 from rotatum.simulation.plant.bodies import Body, Plant
 
@@ -93,7 +93,7 @@ def sample_drives(
         else:
             tau.append(nothing)
             law = _prepared(loops[role], plant.motors[m], ticks, where)
-            feedback[m] = LimitedFeedback(law, torque_limit(motor), where)
+            feedback[m] = LimitedFeedback(law, motor.reflected_torque_limit, where)
     angle, tau_setpoint = _setpoint(joint, plant, waves, time, control)
     return Inputs(
         time=time,

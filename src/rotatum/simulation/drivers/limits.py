@@ -15,19 +15,14 @@ from rotatum.simulation.drivers.feedback import Feedback, Seen
 if TYPE_CHECKING:
     from rotatum.models.parts import Motor
 
-__all__ = ["LimitedFeedback", "limited", "torque_limit"]
-
-
-def torque_limit(motor: Motor) -> float:
-    """Return the most a motor can give at the joint [N m]; infinite where the device is silent."""
-    return math.inf if motor.torque_limit is None else motor.torque_limit * abs(motor.gear_ratio)
+__all__ = ["LimitedFeedback", "limited"]
 
 
 def limited(motor: Motor, tau: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return torques (N,) [N m] at the joint within what the motor can give."""
     if motor.torque_limit is None:
         return tau
-    limit = torque_limit(motor)
+    limit = motor.reflected_torque_limit
     return np.clip(tau, -limit, limit)
 
 

@@ -208,7 +208,8 @@ FINDINGS = (
     "wrong. Of the last joint a payload and the stiffness are never told apart.",
     "A payload is a point at the arm's tip. It cannot stand for a length, a centre of mass or an "
     "inertia about it: fitted all the same it takes what looks like it and the stiffness is "
-    "worse than without, at the first joint with a verdict that does not know it.",
+    "worse than without, at the first joint for length and inertia with a verdict that does not "
+    "know it.",
     "Friction of 0.2 N m is as large as the springs' own torque here. Selective updates leave out "
     "where it turns round: rotatum, to whose rates a constant torque is nothing, then needs no "
     "column for it. Plain weak sees the torque itself and does. The verdict of a run that ends "
